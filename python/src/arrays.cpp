@@ -64,6 +64,11 @@ Array cuda_array_of(nb::handle given, const char* what) {
     const auto type = nb::cast<std::string>(about["typestr"]);
     const auto data = nb::cast<nb::tuple>(about["data"]);
     const auto lengths = nb::cast<nb::tuple>(about["shape"]);
+    const auto wrong = [&](const char* field) {
+        return nb::value_error(
+            (std::string(what) + ": __cuda_array_interface__ has a wrong '" + field + "'").c_str());
+    };
+    if (nb::len(data) != 2) throw wrong("data");
     const auto bytes = static_cast<std::int64_t>(type.size() == 3 ? type[2] - '0' : 0);
     const bool is_float = type == "<f4" || type == "<f8";
     if (!is_float && type != "<u8")
@@ -77,6 +82,7 @@ Array cuda_array_of(nb::handle given, const char* what) {
         strides[k - 1] = strides[k] * static_cast<std::int64_t>(shape[k]);
     if (about.contains("strides") && !about["strides"].is_none()) {
         const auto given_strides = nb::cast<nb::tuple>(about["strides"]);
+        if (nb::len(given_strides) != shape.size()) throw wrong("strides");
         for (std::size_t k = 0; k < shape.size(); ++k)
             strides[k] = nb::cast<std::int64_t>(given_strides[k]) / bytes;
     }

@@ -203,7 +203,10 @@ void bind_contacts(nb::module_& module) {
                     PySlice_AdjustIndices(count, &begin, &end, step);
                     if (step != 1) throw nb::value_error("contacts: expected a step of 1");
                 } else {
-                    begin = nb::cast<Py_ssize_t>(which);
+                    if (PyIndex_Check(which.ptr()) == 0)
+                        throw nb::type_error("contacts: expected a number or a slice");
+                    begin = PyNumber_AsSsize_t(which.ptr(), PyExc_IndexError);
+                    if (begin == -1 && PyErr_Occurred() != nullptr) throw nb::python_error();
                     if (begin < 0) begin += count;
                     if (begin < 0 || begin >= count)
                         throw nb::index_error(

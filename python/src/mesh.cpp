@@ -82,11 +82,14 @@ MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint3
     MeshOptions options{
         .inside = choice<Inside>(inside, "inside"), .cache = cache, .threads = threads};
     if (!progress.is_none())
-        options.progress = [call = nb::borrow(progress)](std::string_view what, double share) {
+        options.progress = [call = shared_object(nb::borrow(progress))](std::string_view what,
+                                                                        double share) {
             const nb::gil_scoped_acquire gil;
             try {
-                call(nb::str(what.data(), what.size()), share);
+                (*call)(nb::str(what.data(), what.size()), share);
             } catch (nb::python_error& error) {
+                // Ctrl-C is raised again when the call is over.
+                if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
                 error.discard_as_unraisable("the progress callback of a mesh");
             }
         };

@@ -2,6 +2,7 @@
 
 #include <exception>
 #include <string_view>
+#include <typeinfo>
 
 #include "contacts.hpp"
 #include "handles.hpp"
@@ -36,6 +37,13 @@ NB_MODULE(_core, module) {
             }
         },
         input_error.ptr());
+    nb::register_exception_translator([](const std::exception_ptr& thrown, void*) {
+        try {
+            std::rethrow_exception(thrown);
+        } catch (const std::bad_cast&) {
+            PyErr_SetString(PyExc_TypeError, "an argument is not of a type that is taken here");
+        }
+    });
     module.attr("all_worlds") = pierce::all_worlds;
     module.attr("no_vertex") = pierce::no_vertex;
     module.attr("no_triangle") = pierce::no_triangle;

@@ -65,6 +65,7 @@ void add(PyPage& self, const nb::kwargs& figures) {
     const Use world(*self.world);
     json all = page::step_figures(world->stats());
     all.update(own);
+    const WithoutGil without_gil;
     self.page->add(*world, all);
 }
 

@@ -9,17 +9,32 @@
 #include "pierce/error.hpp"
 #include "pierce/impact_contact.hpp"
 #include "records.hpp"
+#include "without_gil.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
 namespace {
+
+/// The answer to ask(world), for which other threads need not wait.
+template <class Ask>
+auto asked(PyWorld& self, const Ask& ask) {
+    const Use world(self);
+    auto answer = [&] {
+        const WithoutGil without_gil;
+        return ask(*world);
+    }();
+    self.rethrow();
+    return answer;
+}
 
 std::vector<std::optional<RayHit>> cast_rays(PyWorld& self, Vec3d origin, nb::handle directions) {
     const nb::object numpy = nb::module_::import_("numpy");
     const nb::object numbers = numpy.attr("ascontiguousarray")(directions, numpy.attr("float64"));
     const Rows rows = rows_of(array_of(numbers, "directions"), 3, "directions", true);
     static_assert(sizeof(Vec3d) == 3 * sizeof(double));
-    return Use(self)->cast_rays(origin, {static_cast<const Vec3d*>(rows.data), rows.count});
+    return asked(self, [&](World& world) {
+        return world.cast_rays(origin, {static_cast<const Vec3d*>(rows.data), rows.count});
+    });
 }
 
 std::vector<std::optional<ProbeContact>> probe(PyWorld& self, nb::handle points, nb::handle normals,
@@ -31,8 +46,10 @@ std::vector<std::optional<ProbeContact>> probe(PyWorld& self, nb::handle points,
     const Rows places = rows_of(array_of(at, "points"), 3, "points", true),
                ways = rows_of(array_of(out, "normals"), 3, "normals", true);
     const std::vector<BodyId> bodies = others.is_none() ? std::vector<BodyId>() : bodies_of(others);
-    return Use(self)->probe({static_cast<const Vec3d*>(places.data), places.count},
-                            {static_cast<const Vec3d*>(ways.data), ways.count}, radius, bodies);
+    return asked(self, [&](World& world) {
+        return world.probe({static_cast<const Vec3d*>(places.data), places.count},
+                           {static_cast<const Vec3d*>(ways.data), ways.count}, radius, bodies);
+    });
 }
 
 nb::object contact_of(const Explanation& e) {
@@ -58,21 +75,22 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
     c.def(
          "explain",
          [](PyWorld& w, BodyId body, BodyId other, std::uint32_t vertex) {
-             Explanation answer = Use(w)->explain(body, other, vertex);
-             w.rethrow();
-             return answer;
+             return asked(w, [&](World& world) { return world.explain(body, other, vertex); });
          },
          nb::arg("body"), nb::arg("other"), nb::arg("vertex"),
          "Says why a vertex has a contact with another body after the last step, or none.")
         .def(
-            "parting", [](PyWorld& w, BodyId a, BodyId b) { return Use(w)->parting(a, b); },
+            "parting",
+            [](PyWorld& w, BodyId a, BodyId b) {
+                return asked(w, [&](World& world) { return world.parting(a, b); });
+            },
             nb::arg("a"), nb::arg("b"),
             "How far b has to move, and where to, until it does not overlap a; None if it does "
             "not.")
         .def(
             "overlap",
             [](PyWorld& w, BodyId a, BodyId b, double same_direction) {
-                return Use(w)->overlap(a, b, same_direction);
+                return asked(w, [&](World& world) { return world.overlap(a, b, same_direction); });
             },
             nb::arg("a"), nb::arg("b"), nb::arg("same_direction") = 0.9,
             "What two solids have in common: volume, areas, patches; None if they have no volume "
@@ -80,9 +98,7 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
         .def(
             "impacts",
             [](PyWorld& w, std::uint32_t most_per_pair) {
-                std::vector<ImpactContact> found = Use(w)->impacts(most_per_pair);
-                w.rethrow();
-                return found;
+                return asked(w, [&](World& world) { return world.impacts(most_per_pair); });
             },
             nb::arg("most_per_pair") = 1,
             "The first meeting of every pair of solids that are apart as the step begins, and "
@@ -96,9 +112,8 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
                 std::vector<PoseAhead> ahead;
                 for (std::size_t i = 0; i < bodies.size(); ++i)
                     ahead.push_back({bodies[i], pose_of(poses[i])});
-                std::vector<ImpactContact> found = Use(w)->impacts_ahead(ahead, most_per_pair);
-                w.rethrow();
-                return found;
+                return asked(
+                    w, [&](World& world) { return world.impacts_ahead(ahead, most_per_pair); });
             },
             nb::arg("bodies"), nb::arg("poses"), nb::arg("most_per_pair") = 1,
             "The same for rigid bodies on their way from where they are now to the given poses.")

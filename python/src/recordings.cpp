@@ -101,6 +101,8 @@ void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies
         scenes::SceneMesh& kept = made.meshes.emplace_back();
         kept.name = nb::cast<std::string>(mesh[0]);
         kept.data = mesh_data_of(mesh[1]);
+        if (kept.data.positions.empty() || kept.data.triangles.empty())
+            throw InputError("mesh '" + kept.name + "' has no triangles");
         if (nb::isinstance<Mesh>(mesh[1]))
             kept.inside = rule_that_made(nb::cast<const Mesh&>(mesh[1]).inside());
     }
@@ -162,8 +164,7 @@ std::shared_ptr<Recording> simulate(const std::string& scene, std::uint32_t coun
     if (!(steps < constants::max_elements)) throw InputError("seconds are too many time steps");
     const auto count_of_steps = static_cast<std::uint32_t>(steps);
     for (std::uint32_t k = 0; k < count_of_steps; ++k) {
-        simulation.record(*recording);
-        simulation.step(dt);
+        simulation.step(dt, *recording);
     }
     return recording;
 }

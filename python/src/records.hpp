@@ -93,10 +93,14 @@ public:
             },
             nb::arg("fields"), nb::sig("def __init__(self, **fields: object) -> None"),
             "All fields by name; those that are left out have their defaults.");
-        if constexpr (std::equality_comparable<T>)
+        if constexpr (std::equality_comparable<T>) {
             class_.def(
                 "__eq__", [](const T& a, const T& b) { return a == b; }, nb::is_operator(),
                 nb::arg("other"), nb::sig("def __eq__(self, other: object, /) -> bool"));
+            class_.def("__hash__", [](const T&) -> Py_hash_t {
+                throw nb::type_error("unhashable: its fields may change");
+            });
+        }
         return *this;
     }
     nb::class_<T>& bound() { return class_; }

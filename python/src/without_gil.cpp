@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace pierce::python {
 namespace {
@@ -45,6 +46,13 @@ WithoutGil::WithoutGil() {
 WithoutGil::~WithoutGil() {
     PyEval_RestoreThread(thread_);
     --interpreter.threads_without_lock;
+}
+
+std::shared_ptr<nb::object> shared_object(nb::object object) {
+    return {new nb::object(std::move(object)), [](nb::object* last) {
+                const nb::gil_scoped_acquire gil;
+                delete last;
+            }};
 }
 
 void bind_interpreter_end() {

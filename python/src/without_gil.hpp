@@ -2,6 +2,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include <memory>
+
 namespace pierce::python {
 
 namespace nb = nanobind;
@@ -19,6 +21,9 @@ public:
 private:
     PyThreadState* thread_;
 };
+
+/// An object that threads without the lock may copy, and let go of.
+std::shared_ptr<nb::object> shared_object(nb::object object);
 
 /// Makes the end of the interpreter wait.
 void bind_interpreter_end();

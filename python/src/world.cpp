@@ -1,5 +1,4 @@
 #include "world.hpp"
-#include "without_gil.hpp"
 
 #include <optional>
 #include <sstream>
@@ -10,7 +9,9 @@
 #include "contacts.hpp"
 #include "mesh.hpp"
 #include "pierce/error.hpp"
+#include "records.hpp"
 #include "settings.hpp"
+#include "without_gil.hpp"
 
 namespace pierce::python {
 
@@ -44,13 +45,13 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
                 nb::handle before, const std::string& cache, std::uint32_t threads,
                 nb::handle progress) {
     if (nb::isinstance<Mesh>(mesh)) {
+        if (!before.is_none() || !cache.empty() ||
+            choice<Inside>(inside, "inside") != Inside::automatic)
+            throw nb::value_error(
+                "add_mesh: a Mesh is made already; `inside`, `before` and `cache` are for others");
         // The Python object lives as long as some world has its mesh.
-        const nb::object owner = nb::borrow(mesh);
-        auto* kept = new nb::object(owner);
-        const std::shared_ptr<const Mesh> shared(&nb::cast<const Mesh&>(mesh), [kept](const Mesh*) {
-            const nb::gil_scoped_acquire gil;
-            delete kept;
-        });
+        const std::shared_ptr<const Mesh> shared(shared_object(nb::borrow(mesh)),
+                                                 &nb::cast<const Mesh&>(mesh));
         return Use(self)->add_mesh(shared);
     }
     MeshData data = mesh_data_of(mesh);
@@ -278,8 +279,11 @@ void bind_steps(nb::class_<PyWorld>& c) {
                 std::unique_ptr<Backend> made = backend_named(backend, threads, parts, host_share);
                 const bool on_device = made->runs_on_device();
                 std::istringstream in(std::string(saved.c_str(), saved.size()), std::ios::binary);
-                return std::make_shared<PyWorld>(
-                    std::make_shared<World>(World::restore(in, std::move(made))), on_device);
+                const auto world = [&] {
+                    const WithoutGil without_gil;
+                    return std::make_shared<World>(World::restore(in, std::move(made)));
+                }();
+                return std::make_shared<PyWorld>(world, on_device);
             },
             nb::arg("saved"), nb::arg("backend") = "auto", nb::arg("threads") = 0,
             nb::arg("parts") = 1, nb::arg("host_share") = 0.0,

@@ -3,6 +3,7 @@
 import numpy as np
 import pierce
 import pytest
+from conftest import torus
 
 
 def refused(kind, text, call, *arguments):
@@ -151,3 +152,20 @@ def test_arrays_of_other_packages(two_tori):
             array = package.device_put(positions, package.devices("cpu")[0])
         world.set_positions(soft, array)
         assert world.detect().hash == expected, name
+
+
+@pytest.mark.parametrize("field", ["data", "strides"])
+def test_a_cuda_array_that_is_described_wrongly_is_refused(field):
+    class Described:
+        __cuda_array_interface__ = {  # noqa: RUF012
+            "typestr": "<f4",
+            "shape": (4, 3),
+            "data": (4096, False),
+            "version": 3,
+            field: (),
+        }
+
+    world = pierce.World("reference")
+    body = world.add_deforming_body(world.add_mesh(torus()))
+    with pytest.raises(ValueError, match=f"has a wrong '{field}'"):
+        world.set_positions(body, Described())

@@ -87,6 +87,13 @@ def test_a_recording_from_arrays(tmp_path):
         pierce.Recording(0.1, [("box", box())], [("a", 3, "rigid", fall)])
 
 
+def test_a_recording_of_nothing_is_refused():
+    nothing = (np.zeros((0, 3), np.float32), np.zeros((0, 3), np.uint32))
+    motion = np.zeros((2, 0, 3), np.float32)
+    with pytest.raises(pierce.InputError, match="mesh 'm' has no triangles"):
+        pierce.Recording(0.1, [("m", nothing)], [("b", 0, "deforming", motion)])
+
+
 def test_scenes():
     assert "tori" in pierce.scenes()
     with pytest.raises(pierce.InputError):

@@ -1,10 +1,12 @@
 """Worlds, bodies and their contacts: the same as in C++, by names and by values."""
 
 import gc
+import itertools
 import re
 import subprocess
 import sys
 import threading
+import time
 import weakref
 from pathlib import Path
 
@@ -353,6 +355,88 @@ time.sleep(0.1)
             [sys.executable, "-c", program], capture_output=True, text=True, timeout=120
         )
         assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_long_questions_do_not_hold_other_threads_up():
+    world = pierce.World("reference")
+    mesh = world.add_mesh(torus(around=80, across=60))
+    a, b = world.add_fixed_body(mesh), world.add_rigid_body(mesh, [0.9, 0, 0.1, 0, 0, 0, 1])
+    world.detect()
+    ticks, over = [], threading.Event()
+
+    def tick():
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    assert world.overlap(a, b) is not None
+    took = time.perf_counter() - begin
+    over.set()
+    thread.join()
+    longest = max(later - tick for tick, later in itertools.pairwise([begin, *ticks]))
+    assert longest < 0.5 * took
+
+
+def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
+    calls = []
+
+    def progress(what, share):
+        calls.append((what, share))
+
+    before = sys.getrefcount(progress)
+    meshes = [None] * 4
+
+    def make(k):
+        for _ in range(30):
+            meshes[k] = pierce.Mesh.make(torus(), progress=progress, threads=2)
+
+    threads = [threading.Thread(target=make, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    meshes.clear()
+    gc.collect()
+    assert sys.getrefcount(progress) == before
+
+
+def test_a_mesh_that_is_made_takes_no_options():
+    world = pierce.World("reference")
+    mesh = pierce.Mesh.make(torus())
+    first = world.add_mesh(mesh)
+    for option in ({"before": first}, {"inside": "none"}, {"cache": "folder"}):
+        with pytest.raises(ValueError, match="made already"):
+            world.add_mesh(mesh, **option)
+
+
+def test_what_has_a_wrong_type_is_refused():
+    world = pierce.World("reference")
+    world.add_fixed_body(world.add_mesh(torus()))
+    contacts = world.detect()
+    with pytest.raises(TypeError, match="number or a slice"):
+        contacts["a"]
+    with pytest.raises(TypeError, match="number or a slice"):
+        contacts[1.5]
+    with pytest.raises(IndexError):
+        contacts[10**30]
+    for call in (
+        lambda: pierce.World(settings=5),
+        lambda: world.add_mesh(torus(), before=5),
+        lambda: world.set_stream("x"),
+        lambda: pierce.Recording(0.1, [(1, torus())], []),
+    ):
+        with pytest.raises(TypeError):
+            call()
+
+
+def test_values_that_change_have_no_hash():
+    for value in (pierce.Settings(), pierce.Filter(), pierce.Collision()):
+        assert value == type(value)()
+        with pytest.raises(TypeError, match="unhashable"):
+            hash(value)
 
 
 def test_meshes_of_others():

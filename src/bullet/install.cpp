@@ -57,9 +57,18 @@ btCollisionObject& object_of(const btBroadphaseProxy& proxy) {
     return *static_cast<btCollisionObject*>(proxy.m_clientObject);
 }
 
+/// True if an anchor holds the soft body to the other one, and is to keep them from colliding.
+/// Bullet asks only where it looks for contacts itself.
+bool is_anchored(const btSoftBody* soft, const btCollisionObject* other) {
+    if (soft == nullptr) return false;
+    const auto& disabled = soft->m_collisionDisabledObjects;
+    return disabled.findLinearSearch(other) < disabled.size();
+}
+
 /// True if Bullet's filters let the two meet. Bullet does not ask about two bodies that sleep, but
 /// the arrays of soft ones are emptied in every step, and a program may have put one elsewhere.
 bool may_meet(btCollisionDispatcher& dispatcher, const Binding& a, const Binding& b) {
+    if (is_anchored(a.soft, b.object) || is_anchored(b.soft, a.object)) return false;
     if (dispatcher.needsCollision(a.object, b.object)) return true;
     const bool sleep = !a.object->isActive() && !b.object->isActive();
     const bool asked = a.soft != nullptr || b.soft != nullptr || Coupling::has_moved(a) ||
@@ -221,6 +230,10 @@ void Installation::State::debugDraw(btIDebugDraw* drawer) {
 }
 
 void Installation::State::bind(btCollisionObject& object, btSoftBody* soft, BodyId body) {
+    if ((coupling.world().motion_of(body) == Motion::deforming) != (soft != nullptr))
+        throw InputError("body " + std::to_string(body.index) +
+                         (soft != nullptr ? " does not deform: it cannot follow a soft body"
+                                          : " deforms: it can follow a soft body only"));
     if (followed.has_made(body))
         throw InputError("body " + std::to_string(body.index) +
                          " was made for an object that is followed, and goes with it");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "bullet/sheet_response_state.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
@@ -291,6 +292,9 @@ void SheetResponse::bind(btSoftBody& soft, BodyId body) {
 }
 
 void SheetResponse::bind(btRigidBody& rigid, BodyId body) {
+    if (state_->world.motion_of(body) == Motion::deforming)
+        throw InputError("body " + std::to_string(body.index) +
+                         " deforms: it can follow a soft body only");
     state_->unbind(rigid, body);
     state_->obstacle_of[body] = state_->obstacles.size();
     const Pose pose = from_bullet(rigid.getWorldTransform());
@@ -319,6 +323,8 @@ void SheetResponse::State::unbind(const btCollisionObject& object, BodyId body) 
 }
 
 const SheetReport& SheetResponse::finish_step(double dt) {
+    if (!(dt > 0) || std::isinf(dt))
+        throw InputError("a step needs a time that is positive and finite");
     const auto begin = Clock::now();
     State& s = *state_;
     s.report = {};

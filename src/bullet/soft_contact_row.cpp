@@ -15,7 +15,7 @@ btVector3 point_of(const btSoftBody::Face& face, const btVector3& weights,
 
 Grip grip_at(const btSoftBody& target, const btSoftBody::Face& face, const btVector3& weights,
              const btVector3& gap) {
-    Grip grip{.node = {}, .place = weights, .gap = gap};
+    Grip grip{.node = {}, .place = weights, .gap = gap, .end = {}};
     for (int k = 0; k < 3; ++k) grip.node[k] = static_cast<int>(face.m_n[k] - &target.m_nodes[0]);
     return grip;
 }
@@ -114,10 +114,13 @@ void SoftContactRow::solve() {
 }
 
 Grip SoftContactRow::grip() const {
-    if (stays_) return grip_;
-    if (rigid_ != nullptr)
-        return {{}, rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x), {0, 0, 0}};
-    return grip_at(*target_, *soft_->m_face, soft_->m_weights, from_target());
+    Grip grip = grip_;
+    if (!stays_ && rigid_ != nullptr)
+        grip.place = rigid_->m_cti.m_colObj->getWorldTransform().invXform(node_->m_x);
+    if (!stays_ && rigid_ == nullptr)
+        grip = grip_at(*target_, *soft_->m_face, soft_->m_weights, from_target());
+    grip.end = node_->m_x;
+    return grip;
 }
 
 }  // namespace pierce::bullet

@@ -10,6 +10,7 @@ struct Grip {
     btVector3 place;   ///< of a soft target: their weights; of other targets: a point in the
                        ///< target's frame
     btVector3 gap;     ///< of a soft target: from the place to the node
+    btVector3 end;     ///< where the step has left the node
 };
 
 /// A node's contact while a step is solved. The pushes that the node has been given are summed up:

@@ -83,7 +83,9 @@ struct SoftSolver::State {
 
     const Grip* grip_of(const Touch& touch) const {
         const auto found = grips.find(touch);
-        return found != grips.end() ? &found->second : nullptr;
+        // The program may have put the node elsewhere.
+        return found != grips.end() && found->second.end == touch.first->m_q ? &found->second
+                                                                             : nullptr;
     }
 };
 

@@ -335,6 +335,37 @@ TEST(InstallTest, PairsThatBulletFiltersOutGetNoContacts) {
     EXPECT_LE(installed.reduced_contacts(), 24u) << "reduced";
 }
 
+TEST(InstallTest, AnAnchorKeepsWhatItHoldsFromColliding) {
+    for (const bool keeps : {false, true}) {
+        StockWorld scene;
+        bullet::install(scene.bullet, scene.contacts);
+        const auto shape = MeshShape::gimpact(ring);
+        btRigidBody& rigid = scene.add(*shape->shape, 1, at(0, 0, 0));
+        btSoftBody& soft = scene.add_soft(ring, {0.2f, 0, 0.3f});
+        soft.appendAnchor(0, &rigid, keeps);
+        scene.bullet.stepSimulation(dt, 0);
+        EXPECT_EQ(soft.m_rcontacts.size() == 0, keeps);
+    }
+}
+
+TEST(InstallTest, BodiesOfAnotherKindAreNotBound) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts,
+                                                      {.automatic = false});
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& rigid = scene.add(*shape->shape, 1, at(0, 0, 0));
+    btSoftBody& soft = scene.add_soft(ring, {0, 0, 5});
+    const MeshId mesh = scene.contacts.add_mesh("ring", ring);
+    const BodyId moves = scene.contacts.add_rigid_body(mesh),
+                 deforms = scene.contacts.add_deforming_body(mesh);
+    EXPECT_THROW(installed.bind(rigid, BodyId{}), InputError);
+    EXPECT_THROW(installed.bind(rigid, deforms), InputError);
+    EXPECT_THROW(installed.bind(soft, moves), InputError);
+    installed.bind(rigid, moves);
+    installed.bind(soft, deforms);
+    scene.bullet.stepSimulation(dt, 0);
+}
+
 TEST(InstallTest, UninstallGivesTheWorldBack) {
     StockWorld scene;
     const auto shape = MeshShape::gimpact(ring);

@@ -3,11 +3,16 @@
 #include "pierce/bullet/sheet_response.hpp"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
 #include <gtest/gtest.h>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/embree_backend.hpp"
+#include "pierce/error.hpp"
 #include "scenes/detect/soft_sheet.hpp"
 #include "scenes/named/shapes.hpp"
 #include "scenes/simulate/sheet_crossings.hpp"
@@ -83,6 +88,18 @@ protected:
     std::vector<BodyId> bodies;
     std::unique_ptr<SheetResponse> response;
 };
+
+TEST_F(SheetResponseTest, WhatCannotBeIsRefused) {
+    make(1, {});
+    const std::vector<Vec3f> before = positions(0);
+    for (const double time : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+        EXPECT_THROW(response->finish_step(time), InputError);
+    EXPECT_EQ(positions(0), before);
+    btSphereShape shape(1);
+    btRigidBody rigid(1, nullptr, &shape);
+    EXPECT_THROW(response->bind(rigid, BodyId{}), InputError);
+    EXPECT_THROW(response->bind(rigid, bodies[0]), InputError);
+}
 
 TEST_F(SheetResponseTest, WildMotionCrossesNothing) {
     make(3, {});

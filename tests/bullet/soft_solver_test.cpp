@@ -151,6 +151,18 @@ TEST(SoftSolverTest, ABodyAtRestSleepsWhereItLiesAndKeepsItsContacts) {
     EXPECT_EQ(places(soft), before) << "to the last bit";
 }
 
+TEST(SoftSolverTest, ABodyThatIsPutElsewhereIsNotHeldBack) {
+    SoftScene scene(down);
+    btSoftBody& soft = scene.add(ring, {0, 0, 2}, {0, 0, 0});
+    for (int i = 0; i < 2 * steps_per_second; ++i) scene.step();
+    soft.translate({5, 0, 0});
+    soft.activate();
+    for (int i = 0; i < 4; ++i) {
+        scene.step();
+        EXPECT_LT(std::fabs(velocity(soft).x()), 0.01) << i;
+    }
+}
+
 TEST(SoftSolverTest, ASleepingBodyWakesWhenHit) {
     SoftScene scene(down);
     btSoftBody& first = scene.add(ring, {0, 0, 2}, {0, 0, 0});

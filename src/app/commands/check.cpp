@@ -126,8 +126,11 @@ int check(const CheckOptions& options) {
     if (!options.fix.empty() && options.meshes.size() != 1)
         throw InputError("--fix writes one mesh, but there are " +
                          std::to_string(options.meshes.size()));
+    if (options.fix.has_extension() && options.fix.extension() != ".obj")
+        throw InputError("--fix writes an OBJ file, not '" + options.fix.string() + "'");
     check_writable(options.json);
     check_writable(options.fix);
+    check_different({options.json, options.fix});
     json meshes = json::array();
     int worst = sound;
     for (const std::filesystem::path& file : options.meshes) {
@@ -138,7 +141,6 @@ int check(const CheckOptions& options) {
                 {.self_intersections = options.self_intersections, .inside = options.inside});
             waiting.reset();
             print(file.string(), report);
-            if (!options.fix.empty()) fix(file, options.fix);
             meshes.push_back(to_json(file.string(), report));
             worst = std::max(worst, report.sound() ? sound : has_findings);
         } catch (const InputError& error) {
@@ -149,6 +151,7 @@ int check(const CheckOptions& options) {
     }
     if (!options.json.empty())
         write_json_file(options.json, {{"versions", versions_json()}, {"meshes", meshes}});
+    if (!options.fix.empty() && worst != unreadable) fix(options.meshes[0], options.fix);
     return worst;
 }
 

@@ -130,6 +130,7 @@ int run(const RunOptions& options) {
     check_folder_writable(options.record);
     check_writable(options.png);
     check_writable(options.detection.json);
+    check_different({options.png, options.detection.json, options.detection.page.file});
     DetectionPage page(options.detection.page, simulation.world(), options.scene, names_of(scene),
                        dt);
     scenes::Recording recording = scenes::start_recording(scene, dt);
@@ -140,9 +141,8 @@ int run(const RunOptions& options) {
     const auto stop = until_interrupted([&] {
         Progress progress("simulating", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
-            log.add(simulation.step(dt));
+            log.add(options.record.empty() ? simulation.step(dt) : simulation.step(dt, recording));
             page.add(log.last_json());
-            if (!options.record.empty()) simulation.record(recording);
             progress.show(i + 1);
         }
     });
@@ -188,6 +188,7 @@ int replay(const ReplayOptions& options) {
     require_rays(detector->world(), options.pictures);
     check_writable(options.png);
     check_writable(options.detection.json);
+    check_different({options.png, options.detection.json, options.detection.page.file});
     DetectionPage page(options.detection.page, detector->world(),
                        options.folder.filename().string(), names_of(scene), recording.dt);
 
@@ -251,6 +252,7 @@ int detect(const DetectOptions& options) {
     scenes::SceneWorld scene(setup, options.detection.rays);
     World& world = scene.world;
     check_writable(options.detection.json);
+    check_different({options.detection.json, options.detection.page.file});
     DetectionPage page(options.detection.page, &world, fmt::format("{}", fmt::join(names, ", ")),
                        names, 0);
     for (const std::string& note : world.plan().notes) fmt::print("note: {}\n", note);
@@ -274,16 +276,17 @@ int detect(const DetectOptions& options) {
     fmt::print("{} contacts in {} of {} overlapping pairs, {} rays, {:.3f} ms, {}\n",
                stats.contacts, stats.touching_pairs, stats.pairs, stats.rays, stats.milliseconds,
                world.backend());
+    json settings = rays_json(options.detection.rays);
+    settings.update({{"command", "detect"}, {"meshes", names}});
     if (!options.detection.json.empty())
         write_json_file(options.detection.json, {{"machine", machine_json()},
                                                  {"versions", versions_json()},
+                                                 {"settings", settings},
                                                  {"bodies", names},
                                                  {"contacts", list}});
     FrameLog log;
     log.add(scene.result());
     page.add(log.last_json());
-    json settings = rays_json(options.detection.rays);
-    settings.update({{"command", "detect"}, {"meshes", names}});
     page.write(settings, {}, json::array());
     return 0;
 }
@@ -311,9 +314,7 @@ int demo(const fs::path& png, const fs::path& html) {
     {
         Progress progress("rays", steps);
         for (std::uint32_t i = 0; i < steps; ++i) {
-            // The motion is recorded as detection sees it: before the solver moves the bodies on.
-            simulation.record(recording);
-            const FrameResult& result = simulation.step(options.dt);
+            const FrameResult& result = simulation.step(options.dt, recording);
             all.add(result);
             page.add(all.last_json());
             if (i % demo_stride == 0) rays.add(result);

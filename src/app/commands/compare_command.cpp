@@ -103,6 +103,8 @@ int compare_recording(const CompareOptions& options) {
     if (methods.empty()) methods.assign(compared_methods().begin(), compared_methods().end());
     check_writable(options.json);
     check_writable(options.page.file);
+    check_different({options.json, options.page.file});
+    check_folder_writable(options.plots);
     const std::vector<scenes::TrueFrame> truth = truth_of(options.folder, options.every);
     std::vector<std::string> left_out;
     const std::vector<Comparison> results = compare(recording, truth, methods, options.threads,
@@ -114,15 +116,10 @@ int compare_recording(const CompareOptions& options) {
                truth.size(), options.threads, options.threads == 1 ? "" : "s");
     print(results);
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
-    if (!options.plots.empty()) {
-        fs::create_directories(options.plots);
-        write_plot(speed_against_error(figures_of(results), options.folder.filename().string()),
-                   options.plots, "f1_speed_against_error",
-                   json{{"machine", machine_json()}, {"versions", versions_json()}}.dump());
-    }
     const json settings{{"command", "compare"},
                         {"folder", options.folder.filename().string()},
-                        {"threads", options.threads}};
+                        {"threads", options.threads},
+                        {"every", options.every}};
     if (!options.json.empty()) {
         json list = json::array();
         for (const Comparison& c : results) list.push_back(to_json(c));
@@ -130,6 +127,12 @@ int compare_recording(const CompareOptions& options) {
                                        {"versions", versions_json()},
                                        {"settings", settings},
                                        {"methods", list}});
+    }
+    if (!options.plots.empty()) {
+        fs::create_directories(options.plots);
+        write_plot(speed_against_error(figures_of(results), options.folder.filename().string()),
+                   options.plots, "f1_speed_against_error",
+                   json{{"machine", machine_json()}, {"versions", versions_json()}}.dump());
     }
     scenes::RaySettings rays;
     rays.threads = options.threads;

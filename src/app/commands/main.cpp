@@ -101,8 +101,11 @@ int run(int argc, char** argv) {
         say(error);
         return exit_bad_input;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "pierce: {}\n", error.what());
-        return exit_failure;
+        // {fmt} throws where the standard output takes no more.
+        const bool cannot_print = std::ferror(stdout) != 0;
+        fmt::print(stderr, "pierce: {}\n",
+                   cannot_print ? "cannot write to the standard output" : error.what());
+        return cannot_print ? exit_bad_input : exit_failure;
     }
 }
 

@@ -48,8 +48,7 @@ scenes::Recording simulate(const ValidateOptions& options) {
         std::max(1.0, options.seconds.value_or(defaults.seconds) / dt + 0.5));
     Progress progress("simulating", steps);
     for (std::uint32_t i = 0; i < steps; ++i) {
-        simulation.record(recording);
-        simulation.step(dt);
+        simulation.step(dt, recording);
         progress.show(i + 1);
     }
     return recording;
@@ -237,6 +236,7 @@ json tables_json(const std::vector<ModeResult>& results) {
 int validate(const ValidateOptions& options) {
     check_writable(options.json);
     check_writable(options.page.file);
+    check_different({options.json, options.page.file});
     asked_for(options.backends);  // refuses unknown names before anything is simulated
     const scenes::Recording recording = frames_of(options);
     std::vector<std::string> left_out;
@@ -269,8 +269,17 @@ int validate(const ValidateOptions& options) {
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
     fmt::print("{}\n", verdict(results));
     json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
-    for (const char* of_mode : {"backend", "temporal", "predict"}) settings.erase(of_mode);
+    for (const char* other : {"backend", "threads", "temporal", "predict", "inside", "mesh_cache",
+                              "parts", "host_share"})
+        settings.erase(other);
     settings.update({{"command", "validate"}, {"input", options.input}, {"every", options.every}});
+    if (!fs::is_directory(options.input)) {
+        const RunOptions defaults;
+        settings.update({{"count", options.count.value_or(defaults.count)},
+                         {"soft", options.soft},
+                         {"seconds", options.seconds.value_or(defaults.seconds)},
+                         {"seed", defaults.seed}});
+    }
     if (stop) settings["missing_modes"] = missing;
     if (!options.json.empty()) {
         json modes = json::array();

@@ -28,8 +28,7 @@ ClosedLoop simulate(const scenes::SceneSetup& scene, scenes::Method method, cons
     ClosedLoop loop{scenes::start_recording(scene, timing.dt), {}};
     Progress progress("simulating " + scene.name, timing.steps());
     for (std::uint32_t i = 0; i < timing.steps(); ++i) {
-        simulation.record(loop.recording);
-        loop.log.add(simulation.step(timing.dt));
+        loop.log.add(simulation.step(timing.dt, loop.recording));
         progress.show(i + 1);
     }
     return loop;

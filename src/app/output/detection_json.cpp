@@ -29,7 +29,12 @@ json rays_json(const scenes::RaySettings& rays) {
             {"may_rest", settings.may_rest},
             {"full_every", settings.full_every},
             {"coverage", coverage_names[static_cast<int>(settings.coverage)]},
-            {"reproject", settings.reproject}};
+            {"reproject", settings.reproject},
+            {"margin", settings.margin},
+            {"inside", name(rays.inside)},
+            {"mesh_cache", rays.mesh_cache.string()},
+            {"parts", rays.parts},
+            {"host_share", rays.host_share}};
 }
 
 json contact_json(const Contact& c) {

@@ -2,10 +2,13 @@
 
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <set>
+#include <system_error>
 
 #include "app/output/interrupt.hpp"
 #include "app/output/waiting.hpp"
 #include "core/base/whole_file.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce::app {
 
@@ -33,6 +36,18 @@ void check_folder_writable(const fs::path& folder) {
 void check_writable(const fs::path& file) {
     if (file.empty()) return;
     if (!can_be_written(file)) refuse_to_write(file);
+}
+
+void check_different(const std::vector<fs::path>& files) {
+    std::set<fs::path> seen;
+    for (const fs::path& file : files) {
+        std::error_code failed;
+        // To a terminal or a pipe, one can be written after the other.
+        if (file.empty() || (fs::exists(file, failed) && !fs::is_regular_file(file, failed)))
+            continue;
+        if (!seen.insert(fs::weakly_canonical(file, failed)).second)
+            throw InputError("two files are to be written as '" + file.string() + "'");
+    }
 }
 
 }  // namespace pierce::app

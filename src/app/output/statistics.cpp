@@ -33,7 +33,8 @@ LinearFit linear_fit(std::span<const double> x, std::span<const double> y) {
 double concordance(std::span<const double> a, std::span<const double> b) {
     const double apart = mean(a) - mean(b);
     const double spread = covariance(a, a) + covariance(b, b) + apart * apart;
-    return spread > 0 ? 2 * covariance(a, b) / spread : 0;
+    // Without a spread, all values of both are the same.
+    return spread > 0 ? 2 * covariance(a, b) / spread : 1;
 }
 
 }  // namespace pierce::app

@@ -244,6 +244,15 @@ void Simulation::State::record_mesh(Recording& recording, std::uint32_t index) c
         body.mesh_changes.push_back({recording.frame_count, number});
 }
 
+const FrameResult& Simulation::step(double dt, Recording& recording) {
+    const State& s = *state_;
+    const bool looks_at_end = s.apart != nullptr || (s.installed == nullptr && s.rays != nullptr);
+    if (!looks_at_end) record(recording);
+    step(dt);
+    if (looks_at_end) record(recording);
+    return s.result;
+}
+
 void Simulation::record(Recording& recording) const { state_->record(recording, false); }
 
 void Simulation::record_tried(Recording& recording) const { state_->record(recording, true); }

@@ -97,7 +97,14 @@ void torn_bodies(const AccuracyReportOptions& options, Page& page) {
 
 int report_accuracy(const AccuracyReportOptions& options) {
     Page page(options.out, "Time and error, measured here",
-              {{"seed", options.seed}, {"threads for rays", options.threads}}, options.html);
+              {{"seed", options.seed},
+               {"threads for rays", options.threads},
+               {"count", options.count},
+               {"seconds", options.timing.seconds},
+               {"every", options.every},
+               {"poses", options.poses},
+               {"rays", options.rays}},
+              options.html);
     page.line("## Speed against error\n");
     page.line("{:g} s at {:g} s a step; the truth is known of one frame in {}.\n",
               options.timing.seconds, options.timing.dt, options.every);

@@ -17,7 +17,15 @@ namespace pierce::app {
 int report_cloth(const ClothReportOptions& options) {
     check_truth_program();
     Page page(options.out, "Cloth: time and error, measured here",
-              {{"seed", options.seed}, {"threads for detection", options.threads}}, options.html);
+              {{"seed", options.seed},
+               {"threads for detection", options.threads},
+               {"seconds", options.timing.seconds},
+               {"seconds on the capsule", options.falling.seconds},
+               {"nodes", options.nodes},
+               {"sizes", options.sizes},
+               {"seconds of sizes", options.size_seconds},
+               {"nodes of layers", options.layers_nodes}},
+              options.html);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();
     const auto penetration = [&] {

@@ -81,7 +81,7 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
         "reported | over the paper's |\n|---|---|---|---|---|---|",
         paper_penetration);
     std::vector<Reading> readings{
-        {.name = "as in figure 16 above: steps of 1/60 s, 20 x 20 vertices"},
+        {.name = "steps of 1/60 s, 20 x 20 vertices"},
         {.name = "velocity relative to what is hit", .how = SelfCollision::rays},
         {.name = "six times as thick, as Bullet's margin is", .thickness = 0.6},
         {.name = "no ground: the cloth falls past the capsule", .ground = false},
