@@ -11,7 +11,11 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from ._poses import split
 from ._surfaces import Floats
+
+_FURTHEST = 2.0**60
+"""[length] Worlds leave out bodies that are further away."""
 
 
 class Shape:
@@ -97,11 +101,18 @@ class Object:
 
 
 def rigid_transform(transform: ArrayLike) -> Floats:
-    """A copy of a transform as (4, 4). Raises ValueError if it is not rigid."""
+    """A transform as (4, 4), without what rounding has stretched.
+
+    Raises ValueError if it is not rigid to rounding.
+    """
     matrix = np.array(transform, dtype=np.float64)
     if matrix.shape != (4, 4):
         raise ValueError("transform must be (4,4)!")
+    if not np.abs(matrix).max() <= _FURTHEST:
+        raise ValueError("transform must be finite and not too far away")
     turn = matrix[:3, :3]
-    if not np.allclose(turn @ turn.T, np.eye(3), atol=1e-5) or np.linalg.det(turn) < 0:
+    same = np.allclose(turn @ turn.T, np.eye(3), atol=1e-5) and np.linalg.det(turn) > 0
+    if not same or not np.allclose(matrix[3], [0, 0, 0, 1], rtol=0, atol=1e-5):
         raise ValueError("transform must be rigid: use mesh.apply_transform() for other ones")
-    return matrix
+    rigid, _ = split(matrix)
+    return rigid

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
+from ._surfaces import Floats
 from ._trimesh_meetings import Meeting
 from ._trimesh_objects import Object, Shape
 
@@ -105,9 +106,10 @@ class Solids(Bodies):
         if added.shape.is_solid:
             super().add(added)
 
-    def move(self, moved: Object) -> None:
+    def move(self, moved: Object, transform: Floats) -> None:
         if moved in self.bodies:
-            self.world.set_pose(self.bodies[moved], moved.transform)
+            self.world.set_pose(self.bodies[moved], transform)
+        moved.transform = transform
 
     def depth(self, meeting: Meeting) -> float:
         parting = self._parting(meeting)

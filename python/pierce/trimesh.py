@@ -81,10 +81,11 @@ class CollisionManager:
         Returns what stands for the object, for comparisons only.
         """
         added = Object(name, mesh, transform)
-        if name in self._objects:
+        replaced = name in self._objects
+        self._solids.add(added)  # If this raises, the old object stays.
+        if replaced:
             self.remove_object(name)
         self._objects[name] = added
-        self._solids.add(added)
         return added
 
     def remove_object(self, name: Hashable) -> None:
@@ -95,9 +96,7 @@ class CollisionManager:
 
     def set_transform(self, name: Hashable, transform: ArrayLike) -> None:
         """Moves an object: `transform` is rigid, (4, 4). Raises ValueError for unknown names."""
-        moved = self._object(name)
-        moved.transform = rigid_transform(transform)
-        self._solids.move(moved)
+        self._solids.move(self._object(name), rigid_transform(transform))
 
     def in_collision_single(
         self,

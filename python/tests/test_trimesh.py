@@ -118,6 +118,45 @@ def test_errors():
             manager.in_collision_single(CUBE, bad)
 
 
+@pytest.mark.parametrize("mesh", [CUBE, SQUARE])
+def test_what_is_refused_changes_nothing(mesh):
+    manager = manager_of(cube0=0)
+    manager.add_object("other", mesh, at(0.6, 0.1, 0.2))
+    before = manager.in_collision_internal(return_names=True)
+    assert before == (True, {("cube0", "other")})
+    torn = at(0)
+    torn[3, 3] = 2
+    for bad in (at(np.nan), at(np.inf), at(1e300), at(0) * np.nan, torn):
+        for refused in (
+            lambda bad=bad: manager.add_object("other", mesh, bad),
+            lambda bad=bad: manager.add_object("new", mesh, bad),
+            lambda bad=bad: manager.set_transform("other", bad),
+            lambda bad=bad: manager.in_collision_single(mesh, bad),
+        ):
+            with pytest.raises(ValueError, match="transform must be"):
+                refused()
+    flat = trimesh.Trimesh(np.eye(3), np.zeros((0, 3), int), process=False)
+    with pytest.raises(ValueError, match="no triangles"):
+        manager.add_object("other", flat)
+    with pytest.raises(TypeError, match="unhashable"):
+        manager.add_object(["other"], mesh)
+    assert manager.in_collision_internal(return_names=True) == before
+    manager.set_transform("other", at(9))
+    assert manager.in_collision_internal() is False
+    assert manager.min_distance_internal(return_names=True)[1] == ("cube0", "other")
+
+
+def test_rounded_transforms_are_rigid():
+    rng = np.random.default_rng(4)
+    manager = manager_of(cube0=0)
+    for _ in range(20):
+        place = random_place(rng, 0.2)
+        place[:3, :3] *= 1 + 9e-6 * rng.choice([-1, 1], (3, 1))
+        manager.add_object("cube1", CUBE, place)
+        manager.set_transform("cube0", place)
+        assert manager.in_collision_internal() is True
+
+
 def test_contact_data_is_between_the_surfaces_and_points_from_the_first_to_the_second():
     manager = manager_of(a=0)
     hit, data = manager.in_collision_single(CUBE, at(0.9, 0.2, 0.3), return_data=True)
