@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from types import TracebackType
 from typing import Any
+from weakref import WeakSet
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,10 @@ _REFUSED = {
 }
 
 
+_alive: WeakSet[MeshContacts] = WeakSet()
+"""Those that have changed the masks of their models."""
+
+
 class MeshContacts:
     """Finds contacts between mesh geoms and gives them to MuJoCo.
 
@@ -54,9 +59,13 @@ class MeshContacts:
     backend: of the `World` that finds the contacts.
 
     Which pairs meet is what the model says when this is made: contype and conaffinity, excluded
-    bodies, bodies welded together, parents and children.
+    bodies, bodies welded together, parents and children, and bodies that cannot move by themselves,
+    as static ones and mocap bodies.
     Priority, solmix, friction, condim, solref, solimp and adhesion are mixed as MuJoCo does, at
     every step.
+
+    A model has one MeshContacts at a time: `step()` knows of no others, and each restores the masks
+    that it has found.
 
     MuJoCo's own contacts of these pairs are off, also in mj_step, until `release()` or the end
     of a `with` block.
@@ -79,7 +88,11 @@ class MeshContacts:
         most_per_pair: int | None = 24,
         backend: str = "auto",
     ) -> None:
-        self.model = model
+        if any(other.model is model for other in _alive):
+            raise ValueError("another MeshContacts has geoms of this model: release() it first")
+        if most_per_pair is not None and most_per_pair < 6:
+            raise ValueError(f"most_per_pair must be at least 6, got {most_per_pair}")
+        self.model: mj.MjModel = model
         self.geoms = _mesh_geoms(model, geoms)
         self.most_per_pair = most_per_pair
         _check_options(model)
@@ -88,7 +101,7 @@ class MeshContacts:
         if not meets.any():
             raise ValueError(
                 "no two of these mesh geoms may have contacts with each other; "
-                "perhaps another MeshContacts has them already"
+                "perhaps a MeshContacts that was not released has them"
             )
 
         if margin is None:
@@ -97,12 +110,15 @@ class MeshContacts:
         else:
             self._margin = np.full(len(self.geoms), margin / 2)
             self._gap = np.zeros(len(self.geoms))
+        if not np.isfinite([self._margin, self._gap]).all():
+            raise ValueError("margins and gaps must be finite")
         self.world = World(backend=backend)
         self._bodies = self._add_bodies(meets)
         self.contacts: Contacts = self.world.detect()  # type: ignore[assignment]
 
         self._before = {name: getattr(model, name).copy() for name in _MASKS}
         _switch_off(model, self.geoms)
+        _alive.add(self)
 
     def _add_bodies(self, meets: NDArray[np.bool_]) -> NDArray[np.uint64]:
         model, meshes, bodies = self.model, {}, []
@@ -147,6 +163,7 @@ class MeshContacts:
         It is called between mj_collision and mj_makeConstraint, as `forward()` does.
         Raises MemoryError if the arena of `data` is too small for all of them.
         """
+        self._check(model)
         off = mj.mjtDisableBit.mjDSBL_CONSTRAINT | mj.mjtDisableBit.mjDSBL_CONTACT
         if model.opt.disableflags & off:
             return 0
@@ -211,6 +228,8 @@ class MeshContacts:
         mj.mj_sensorPos(model, data)
         if energy:
             mj.mj_energyPos(model, data)
+        elif not data.flg_energypos:
+            data.energy[:] = 0
         mj.mj_fwdVelocity(model, data)
         mj.mj_sensorVel(model, data)
         if energy:
@@ -247,6 +266,7 @@ class MeshContacts:
         for name, values in self._before.items():
             getattr(self.model, name)[:] = values
         self._before = {}
+        _alive.discard(self)
 
     def __enter__(self) -> MeshContacts:
         return self
@@ -357,6 +377,8 @@ def _meeting_pairs(model: mj.MjModel, geoms: Ints) -> NDArray[np.bool_]:
     body = model.geom_bodyid[geoms]
     welded = model.body_weldid[body]
     meets &= welded[:, None] != welded
+    held = model.body_dofnum[welded] == 0
+    meets &= ~(held[:, None] & held)
     if not model.opt.disableflags & mj.mjtDisableBit.mjDSBL_FILTERPARENT:
         parent = model.body_weldid[model.body_parentid[welded]]
         child = (welded[:, None] == parent) | (parent[:, None] == welded)

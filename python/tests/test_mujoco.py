@@ -90,6 +90,25 @@ def test_step_is_mj_step_where_nothing_is_added(integrator, cone):
         np.testing.assert_array_equal(getattr(one, field), getattr(other, field), field)
 
 
+@pytest.mark.parametrize("energy", ("disable", "enable"))
+@pytest.mark.parametrize("sensors", ("", "<e_kinetic/>", "<e_potential/>"))
+def test_energy_is_that_of_mj_step(energy, sensors):
+    model = model_of(
+        '<body pos="0 0 3"><freejoint/><geom type="mesh" mesh="cube"/></body>'
+        '<body pos="3 0 3"><freejoint/><geom type="mesh" mesh="cube"/></body>',
+        f'><flag energy="{energy}"/></option><option',
+        f"<sensor>{sensors}</sensor>",
+    )
+    one, other = mujoco.MjData(model), mujoco.MjData(model)
+    one.energy[:] = other.energy[:] = 5, 6
+    with MeshContacts(model) as contacts:
+        for _ in range(3):
+            contacts.step(model, one)
+            mujoco.mj_step(model, other)
+            np.testing.assert_array_equal(one.energy, other.energy)
+            np.testing.assert_array_equal(one.sensordata, other.sensordata)
+
+
 def test_linked_rings_hang():
     model = chain('timestep="0.002" integrator="implicitfast"')
     data = mujoco.MjData(model)
@@ -200,9 +219,10 @@ def crowd(seed, option=""):
         name = next(names)
         listed.append(name)
         joint = random.choice(["", '<joint axis="0 0 1"/>', "<freejoint/>" if depth == 0 else ""])
+        mocap = 'mocap="true"' if depth == 0 and not joint and random.random() < 0.7 else ""
         children = "".join(body(depth + 1) for _ in range(random.integers(3))) if depth < 2 else ""
         return (
-            f'<body name="{name}">{joint}<geom size=".1" contype="0" conaffinity="0"/>'
+            f'<body name="{name}" {mocap}>{joint}<geom size=".1" contype="0" conaffinity="0"/>'
             f"{geom()}{geom()}{children}</body>"
         )
 
@@ -349,20 +369,59 @@ def test_what_is_refused(model, message):
         np.testing.assert_array_equal(getattr(made, name), values, name)
 
 
+@pytest.mark.parametrize(
+    "options,message",
+    [
+        ({"most_per_pair": 5}, "most_per_pair must be at least 6, got 5"),
+        ({"margin": float("nan")}, "margins and gaps must be finite"),
+        ({"margin": float("inf")}, "margins and gaps must be finite"),
+    ],
+)
+def test_options_that_are_refused(options, message):
+    model = overlapping_cubes()
+    with pytest.raises(ValueError, match=message):
+        MeshContacts(model, **options)
+    MeshContacts(model).release()
+
+
+def test_a_model_has_one_adapter_at_a_time():
+    model = model_of(
+        "".join(
+            f'<body pos="{2 * (i // 2)} 0 {0.79 * (i % 2)}"><freejoint/>'
+            f'<geom type="mesh" mesh="{("cube", "small")[i % 2]}"/></body>'
+            for i in range(4)
+        )
+    )
+    before = [getattr(model, name).copy() for name in MASKS]
+    first = MeshContacts(model, [0, 1])
+    with pytest.raises(ValueError, match=r"release\(\) it first"):
+        MeshContacts(model, [2, 3])
+    first.release()
+    second = MeshContacts(model, [2, 3])
+    first.release()
+    data = mujoco.MjData(model)
+    second.forward(model, data)
+    assert set(map(tuple, second.geom_pairs(second.contacts))) == {(2, 3)}
+    assert geom_pairs(data) == {(0, 1), (2, 3)}
+    second.release()
+    for name, values in zip(MASKS, before):
+        np.testing.assert_array_equal(getattr(model, name), values, name)
+
+
 def test_what_is_refused_later():
     model = overlapping_cubes()
     data = mujoco.MjData(model)
     contacts = MeshContacts(model)
-    with pytest.raises(ValueError, match="no two"):
-        MeshContacts(model)
-    with pytest.raises(ValueError, match="not the model"):
-        contacts.step(overlapping_cubes(), data)
+    for call in (contacts.step, contacts.forward, contacts.add):
+        with pytest.raises(ValueError, match="not the model"):
+            call(overlapping_cubes(), data)
     model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
     with pytest.raises(ValueError, match="RK4"):
         contacts.step(model, data)
     contacts.release()
-    with pytest.raises(ValueError, match="released"):
-        contacts.step(model, data)
+    for call in (contacts.step, contacts.forward, contacts.add):
+        with pytest.raises(ValueError, match="released"):
+            call(model, data)
     with pytest.raises(ValueError, match="not a mesh"):
         MeshContacts(model_of('<geom name="ball" size="1"/>'), ["ball"])
 

@@ -224,6 +224,22 @@ def test_which_shapes_meet(tmp_path):
     assert len(alone.detect()) == 0
 
 
+def test_shapes_that_only_mocap_moves_do_not_meet(tmp_path):
+    path = tmp_path / "robot.xml"
+    geom = '<geom name="{}" size=".1"/>'
+    path.write_text(
+        "<mujoco><worldbody>"
+        + geom.format("still")
+        + f'<body mocap="true">{geom.format("hand")}</body>'
+        + f'<body mocap="true">{geom.format("other")}</body>'
+        + f"<body><freejoint/>{geom.format('free')}</body></worldbody></mujoco>"
+    )
+    robot = robots.read_robot(path)
+    names = [shape.name for shape in robot.shapes]
+    pairs = {(names[a], names[b]) for a, b in np.argwhere(np.triu(robot.meets))}
+    assert pairs == {("still", "free"), ("hand", "free"), ("other", "free")}
+
+
 URDF = """<robot name="arm">
   <mujoco><compiler fusestatic="false" strippath="false" discardvisual="false"/></mujoco>
   <link name="base">{mass}<collision><geometry><box size="1 2 3"/></geometry></collision></link>
