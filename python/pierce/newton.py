@@ -42,7 +42,8 @@ class CollisionPipeline:
     before Pierce's.
 
     model: which shapes there are, and which pairs meet, is read once, here: types, sources,
-        scales, places on bodies, flags, groups, worlds, filter pairs, margins and gaps.
+        scales, places on bodies, flags, groups, worlds, filter pairs, margins, gaps, and which
+        bodies are kinematic.
     backend, threads: of the `World` that finds the contacts.
     most_per_pair: more contacts of a pair of shapes are reduced to so many, at least six, which
         can have the same total force and torque; None: all are kept.
@@ -54,7 +55,10 @@ class CollisionPipeline:
     rigid_contact_max: room for contacts, Newton's included; None: that of the model, or if it
         has none, 1000 and 200 for each shape.
     settings: `Settings` of the world.
-    newton_options: further arguments of `newton.CollisionPipeline`.
+    newton_options: further arguments of `newton.CollisionPipeline`; of these,
+        `include_static_kinematic_pairs` holds for Pierce's pairs, too.
+        Contact matching knows nothing of Pierce's contacts: their `rigid_contact_match_index`
+        is -1, as if all were new, and contact reports do not have them.
 
     Give shapes a margin, such as a hundredth of their size, so that contacts push before surfaces
     overlap.
@@ -84,6 +88,8 @@ class CollisionPipeline:
         self.world = _core.World(backend, threads, settings)
         if most_per_pair is not None and self.world.on_device:
             raise ValueError("most_per_pair: only worlds on the host reduce contacts")
+        if most_per_pair is not None and most_per_pair < 6:
+            raise ValueError(f"most_per_pair must be at least 6, got {most_per_pair}")
         self._most_per_pair = most_per_pair
         if rigid_contact_max is None:
             rigid_contact_max = model.rigid_contact_max
@@ -99,6 +105,8 @@ class CollisionPipeline:
             rigid_contact_max=rigid_contact_max,
             **newton_options,
         )
+        if not newton_options.get("include_static_kinematic_pairs", True):
+            taken &= ~_is_held(model)[pairs].all(axis=1)
         shapes = np.unique(pairs[taken])
         bodies = _add_bodies(self.world, model, shapes)
         _exclude_others(self.world, model, shapes, bodies, pairs[taken])
@@ -115,6 +123,7 @@ class CollisionPipeline:
         self._moving: Any = wp.array(shapes[moving], dtype=int, device=device)
         self._poses: Any = wp.zeros(len(self._moving), dtype=wp.transform, device=device)
         self._reach: Any = wp.array(reach, dtype=float, device=device)
+        self._conveys: Any = wp.array(_conveys(model), dtype=bool, device=device)
         self._start: Any = wp.zeros(1, dtype=int, device=device)
         self._stays = self.world.on_device and device.is_cuda
         if self._stays:
@@ -134,6 +143,13 @@ class CollisionPipeline:
         Raises RuntimeError if there are more contacts than room for them.
         Of these it has to know the number, so it waits for the device.
         """
+        for column in (
+            contacts.rigid_contact_stiffness,
+            contacts.rigid_contact_damping,
+            contacts.rigid_contact_friction,
+        ):
+            if column is not None:
+                column.zero_()  # Newton writes its rows only; with 0, the shapes decide.
         self._newton.collide(state, contacts, **newton_options)
         if len(self._shape_of):
             self._set_poses(state)
@@ -144,6 +160,10 @@ class CollisionPipeline:
                 _append(
                     self.model, state, columns, self._shape_of, self._reach, self._start, contacts
                 )
+                if contacts.rigid_contact_surface_velocity is not None:
+                    _write_surface_velocities(
+                        self.model, state, self._conveys, self._start, len(columns[1]), contacts
+                    )
         count, room = int(contacts.rigid_contact_count.numpy()[0]), contacts.rigid_contact_max
         if count > room:
             raise RuntimeError(
@@ -241,6 +261,30 @@ def _append(
     )  # fmt: skip
 
 
+def _write_surface_velocities(
+    model: Any, state: Any, conveys: Any, start: Any, room: int, contacts: Any
+) -> None:
+    """Writes how fast the surfaces of the two shapes move at Pierce's contacts, as Newton does.
+
+    conveys: which shapes have surface velocities.
+    start: how many contacts of Newton there are.
+    room: there are no more of Pierce's.
+    """
+    wp.launch(
+        _write_velocities,
+        dim=room,
+        inputs=[
+            start, contacts.rigid_contact_count,
+            contacts.rigid_contact_shape0, contacts.rigid_contact_shape1,
+            contacts.rigid_contact_point0, contacts.rigid_contact_point1,
+            conveys, model.shape_body, model.shape_transform, model.shape_scale,
+            model.shape_source_ptr, state.body_q,
+        ],
+        outputs=[contacts.rigid_contact_surface_velocity],
+        device=model.device,
+    )  # fmt: skip
+
+
 @wp.kernel
 @no_type_check
 def _place_shapes(
@@ -327,12 +371,88 @@ def _write(
     out_margin1[row] = margin1
 
 
+@wp.func
+@no_type_check
+def _surface_velocity(
+    shape: int,
+    point: wp.vec3,
+    conveys: wp.array[bool],
+    shape_transform: wp.array[wp.transform],
+    shape_scale: wp.array[wp.vec3],
+    shape_source: wp.array[wp.uint64],
+    to_world: wp.transform,
+):
+    """Of a shape in the world, at a point in the frame of its body."""
+    velocity = wp.vec3(0.0)
+    if not conveys[shape]:
+        return velocity
+    mesh, scale = shape_source[shape], shape_scale[shape]
+    local = wp.transform_point(wp.transform_inverse(shape_transform[shape]), point)
+    nearest = wp.mesh_query_point_no_sign(mesh, wp.cw_div(local, scale), 1.0e11)
+    if nearest.result:
+        at_rest = wp.mesh_eval_velocity(mesh, nearest.face, nearest.u, nearest.v)
+        velocity = wp.transform_vector(to_world * shape_transform[shape], wp.cw_mul(at_rest, scale))
+    return velocity
+
+
+@wp.kernel(enable_backward=False)
+@no_type_check
+def _write_velocities(
+    start: wp.array[int],
+    count: wp.array[int],
+    shape0: wp.array[int],
+    shape1: wp.array[int],
+    point0: wp.array[wp.vec3],
+    point1: wp.array[wp.vec3],
+    conveys: wp.array[bool],
+    shape_body: wp.array[int],
+    shape_transform: wp.array[wp.transform],
+    shape_scale: wp.array[wp.vec3],
+    shape_source: wp.array[wp.uint64],
+    body_q: wp.array[wp.transform],
+    out_velocity: wp.array[wp.vec3],
+):
+    """Surface velocity of shape 1 relative to shape 0, in the world, of rows from `start` on."""
+    row = start[0] + wp.tid()
+    if row >= count[0] or row >= len(out_velocity):
+        return
+    to_world0, to_world1 = wp.transform_identity(), wp.transform_identity()
+    if shape_body[shape0[row]] >= 0:
+        to_world0 = body_q[shape_body[shape0[row]]]
+    if shape_body[shape1[row]] >= 0:
+        to_world1 = body_q[shape_body[shape1[row]]]
+    velocity0 = _surface_velocity(
+        shape0[row], point0[row], conveys, shape_transform, shape_scale, shape_source, to_world0
+    )
+    velocity1 = _surface_velocity(
+        shape1[row], point1[row], conveys, shape_transform, shape_scale, shape_source, to_world1
+    )
+    out_velocity[row] = velocity1 - velocity0
+
+
 def _pairs_of(model: Any) -> NDArray[np.int64]:
     """The pairs of shapes that may meet, (n, 2)."""
     pairs = model.shape_contact_pairs
     if pairs is None or len(pairs) == 0:
         return np.empty((0, 2), dtype=np.int64)
     return np.asarray(pairs.numpy(), dtype=np.int64).reshape(-1, 2)
+
+
+def _is_held(model: Any) -> NDArray[np.bool_]:
+    """Which shapes are static or of a kinematic body, (n,)."""
+    body = model.shape_body.numpy()
+    held: NDArray[np.bool_] = body < 0
+    if model.body_count:
+        held |= model.body_flags.numpy()[body] & int(newton.BodyFlags.KINEMATIC) != 0
+    return held
+
+
+def _conveys(model: Any) -> list[bool]:
+    """Which shapes are meshes with surface velocities, (n,)."""
+    return [
+        kind == newton.GeoType.MESH and source.enable_surface_velocity
+        for kind, source in zip(model.shape_type.numpy(), model.shape_source, strict=True)
+    ]
 
 
 def _add_bodies(world: _core.World, model: Any, shapes: NDArray[np.int64]) -> list[_core.BodyId]:

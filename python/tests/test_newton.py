@@ -17,9 +17,9 @@ pytestmark = pytest.mark.filterwarnings("ignore::newton.NewtonWarning")
 Look = newton.ModelBuilder.ShapeConfig
 
 
-def mesh_of(shape):
+def mesh_of(shape, **options):
     vertices, triangles = shape
-    return newton.Mesh(vertices, triangles.flatten().astype(np.int32))
+    return newton.Mesh(vertices, triangles.flatten().astype(np.int32), **options)
 
 
 BOX, RING = mesh_of(box(0.25)), mesh_of(torus(0.3, 0.1))
@@ -246,6 +246,91 @@ def test_fewer_contacts_of_a_pair():
     _, _, all_of_them = collided(two_rings())
     _, _, few = collided(two_rings(), most_per_pair=6)
     assert 0 < len(rows_of(few)["normal"]) <= 6 < len(rows_of(all_of_them)["normal"])
+
+
+def test_too_few_contacts_of_a_pair_are_refused():
+    with pytest.raises(ValueError, match="most_per_pair must be at least 6, got 5"):
+        adapter.CollisionPipeline(two_rings(), "embree", most_per_pair=5)
+
+
+def test_contacts_have_the_surface_velocities_that_newton_gives_them():
+    """Boxes and balls on a belt, which is turned, stretched, and slower at one end."""
+    builder = newton.ModelBuilder()
+    look = Look(margin=0.002, gap=0.01)
+    belt = mesh_of(box(0.5), enable_surface_velocity=True)
+    turned_belt = place((0, 0, 0.1), (0, 0, 1), 0.5)
+    body = builder.add_body(xform=place((0, 0, 0), (0, 0, 1), 0.3), is_kinematic=True)
+    builder.add_shape_mesh(body, mesh=belt, cfg=look, xform=turned_belt, scale=(2, 1, 1))
+    balls = [builder.add_body(xform=place((x, 0, 0.649))) for x in (-0.5, 0.5)]
+    for ball in balls:
+        builder.add_shape_sphere(ball, radius=0.05, cfg=look)
+    for x, z, angle in ((-0.2, 0.853, 0.1), (0.3, 0.853, 0.8), (0.3, 1.355, 0.4)):
+        body = builder.add_body(xform=place((x, 0, z), angle=angle))
+        builder.add_shape_mesh(body, mesh=BOX, cfg=look)
+    model = made(builder)
+    corners = box(0.5)[0]
+    belt.mesh.velocities.assign(np.float32([1, 0, 0]) * (1 + corners[:, :1]))
+    pipeline, state, contacts = collided(model)
+
+    def check():
+        rows, poses = rows_of(contacts), state.body_q.numpy()
+        found = contacts.rigid_contact_surface_velocity.numpy()[: len(rows["normal"])]
+        expected = np.zeros_like(found)
+        for i, pair in enumerate(zip(rows["shape0"], rows["shape1"], strict=True)):
+            for side, sign in ((0, -1), (1, 1)):
+                if pair[side] == 0:
+                    local = turned(turned_belt, rows[f"point{side}"][i], inverse=True)
+                    velocity = np.array([2 * (1 + local[0] / 2), 0, 0])
+                    there = turned(turned_belt, velocity) - turned_belt[:3]
+                    expected[i] += sign * (turned(poses[0], there) - poses[0][:3])
+        np.testing.assert_allclose(found, expected, atol=1e-5)
+        return pairs_in(contacts)
+
+    assert check() >= {(0, 1), (0, 2), (0, 3), (0, 4), (4, 5)}
+    away = state.body_q.numpy()
+    away[balls, 2] = 9
+    state.body_q.assign(away)
+    pipeline.collide(state, contacts)
+    assert check() >= {(0, 3), (0, 4), (4, 5)}
+    assert not {(0, 1), (0, 2)} & pairs_in(contacts)
+
+
+def test_contacts_have_no_stiffness_of_contacts_that_are_gone():
+    model = two_rings()
+    pipeline = adapter.CollisionPipeline(model, "embree", threads=1)
+    contacts = newton.Contacts(1000, 0, per_contact_shape_properties=True, device="cpu")
+    columns = [
+        getattr(contacts, f"rigid_contact_{k}") for k in ("stiffness", "damping", "friction")
+    ]
+    for column in columns:
+        column.fill_(7.0)
+    pipeline.collide(model.state(), contacts)
+    assert len(rows_of(contacts)["normal"]) > 10
+    for column in columns:
+        assert not column.numpy().any()
+
+
+def test_contact_matching_takes_all_of_pierces_contacts_for_new_ones():
+    model = two_rings(height=0.05)
+    pipeline, state, contacts = collided(model, contact_matching="latest")
+    pipeline.collide(state, contacts)
+    rows = rows_of(contacts)
+    matched = contacts.rigid_contact_match_index.numpy()[: len(rows["normal"])]
+    of_pierce = (rows["shape0"] == 0) & (rows["shape1"] == 1)
+    assert of_pierce.any() and (matched[of_pierce] == -1).all() and (matched[~of_pierce] >= 0).all()
+
+
+def test_pairs_of_static_and_kinematic_shapes_are_left_out_if_asked_for():
+    builder = newton.ModelBuilder()
+    look = Look(margin=0.002, gap=0.01)
+    builder.add_shape_mesh(-1, mesh=BOX, cfg=look)
+    for k, position in enumerate(((0, 0, 0.4), (0, 0.4, 0.4), (0.1, 0.2, 0.2))):
+        body = builder.add_body(xform=place(position), is_kinematic=k < 2)
+        builder.add_shape_mesh(body, mesh=BOX, cfg=look)
+    model = made(builder)
+    with_last = {(0, 3), (1, 3), (2, 3)}
+    assert pairs_in(collided(model)[2]) == with_last | {(0, 1), (0, 2), (1, 2)}
+    assert pairs_in(collided(model, include_static_kinematic_pairs=False)[2]) == with_last
 
 
 def test_pairs_are_those_of_the_model():
