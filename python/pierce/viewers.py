@@ -38,7 +38,10 @@ class Viewer:
     """What the three viewers have in common.
 
     world: its bodies and contacts are shown; bodies may come, go and change their meshes.
+        Bodies whose places are not finite, or have no rotation, are not shown: the world leaves
+        them out, too.
     names: of bodies; the others are called "body" and their index.
+        A body whose name another one has already is called by both, name and index.
     arrow_scale: length of an arrow / depth of its contact.
     point_radius: [length] of points; None: 1 % of the size of a usual body.
     deepest: [length] the depth that is yellow; None: the largest one so far.
@@ -59,6 +62,8 @@ class Viewer:
         self.deepest = deepest
         self._largest = 0.0
         self._shown: dict[BodyId, MeshId] = {}
+        self._names_of: dict[BodyId, str] = {}
+        self._taken: set[str] = set()
 
     def log(
         self, step: int, seconds: float | None = None, contacts: Contacts | None = None
@@ -71,27 +76,46 @@ class Viewer:
         self._set_time(step, seconds)
         bodies = bodies_of(self.world)
         for body in self._shown.keys() - set(bodies):
-            self._remove_body(self._name(body))
-            del self._shown[body]
+            self._hide(body)
         for body in bodies:
             self._log_body(body)
         self._log_contacts(self.world.contacts if contacts is None else contacts)
 
     def _name(self, body: BodyId) -> str:
-        return self.names.get(body, f"body {body.index}")
+        if body not in self._names_of:
+            name = self.names.get(body, f"body {body.index}")
+            while name in self._taken:
+                name = f"{name} {body.index}"
+            self._names_of[body] = name
+            self._taken.add(name)
+        return self._names_of[body]
+
+    def _hide(self, body: BodyId) -> None:
+        if body in self._shown:
+            name = self._names_of.pop(body)
+            self._taken.remove(name)
+            self._remove_body(name)
+            del self._shown[body]
 
     def _log_body(self, body: BodyId) -> None:
-        name, mesh = self._name(body), self.world.mesh_of(body)
+        mesh = self.world.mesh_of(body)
         triangles: Any = self.world.mesh(mesh).triangles
         if self.world.motion_of(body) == Motion.deforming:
             vertices = self.world.vertex_positions(body).astype(np.float32)
-            self._set_mesh(name, vertices, triangles)
+            if not np.isfinite(vertices).all():
+                self._hide(body)
+                return
+            self._set_mesh(self._name(body), vertices, triangles)
         else:
+            pose = self.world.pose_of(body)
+            position, quaternion = np.array(pose.position), np.array(pose.rotation)
+            if not np.isfinite(position).all() or not 0 < quaternion @ quaternion < np.inf:
+                self._hide(body)
+                return
+            name = self._name(body)
             if body not in self._shown or self._shown[body] != mesh:
                 self._set_mesh(name, np.asarray(self.world.mesh(mesh).vertices), triangles)
-            pose = self.world.pose_of(body)
-            rotation = rotations_of(np.array([pose.rotation]))[0]
-            self._set_place(name, rotation, np.array(pose.position))
+            self._set_place(name, rotations_of(quaternion[None])[0], position)
         self._shown[body] = mesh
 
     def _log_contacts(self, contacts: Any) -> None:
@@ -219,16 +243,19 @@ class Polyscope(Viewer):
         if not self._ps.is_initialized():
             self._ps.init()
             self._ps.set_transparency_mode("pretty")
+        self._triangles: dict[str, NDArray[Any]] = {}
 
     def _set_mesh(self, name: str, vertices: NDArray[Any], triangles: NDArray[Any]) -> None:
         if self._ps.has_surface_mesh(name):
             mesh = self._ps.get_surface_mesh(name)
-            if (mesh.n_vertices(), mesh.n_faces()) == (len(vertices), len(triangles)):
+            same = np.array_equal(self._triangles.get(name, ()), triangles)
+            if same and mesh.n_vertices() == len(vertices):
                 mesh.update_vertex_positions(vertices)
                 return
         self._ps.register_surface_mesh(
             name, vertices, triangles, transparency=0.3, color=tuple(part / 255 for part in _BODY)
         )
+        self._triangles[name] = triangles
 
     def _set_place(self, name: str, rotation: Floats, translation: Floats) -> None:
         place = np.eye(4)

@@ -89,6 +89,48 @@ def test_worlds_bodies_and_meshes_come_and_go():
     assert len(viewer.meshes["body 0"][0]) == len(torus()[0])
 
 
+@pytest.mark.filterwarnings("error")
+def test_bodies_that_are_nowhere_are_not_shown():
+    world = pierce.World("embree", 1)
+    vertices, triangles = box()
+    mesh = world.add_mesh((vertices, triangles))
+    rigid, soft = world.add_rigid_body(mesh), world.add_deforming_body(mesh)
+    viewer = Recorded(world, names={rigid: "rigid", soft: "soft"})
+    good, nowhere = [0, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 0, 0]
+    for pose in (good, nowhere, good, [np.nan] * 7, [0, 0, 0, 1e-200, 0, 0, 0]):
+        world.set_pose(rigid, pose)
+        world.detect()
+        viewer.log(0)
+        assert set(viewer.meshes) == ({"rigid", "soft"} if pose == good else {"soft"})
+    for positions in (vertices * np.float32(np.nan), vertices):
+        world.set_positions(soft, positions)
+        world.detect()
+        viewer.log(0)
+        assert ("soft" in viewer.meshes) == (positions is vertices)
+    world.remove_body(rigid)
+    world.detect()
+    viewer.log(0)
+    assert set(viewer.meshes) == {"soft"}
+
+
+def test_two_bodies_of_one_name():
+    world = pierce.World("embree", 1)
+    mesh = world.add_mesh(box())
+    first, second, third = (world.add_rigid_body(mesh, [x, 0, 0, 0, 0, 0, 1]) for x in (0, 2, 4))
+    viewer = Recorded(world, names={first: "a", second: "a", third: "body 5"})
+    world.detect()
+    viewer.log(0)
+    assert set(viewer.meshes) == {"a", "a 1", "body 5"}
+    world.remove_body(first)
+    world.detect()
+    viewer.log(1)
+    assert set(viewer.meshes) == {"a 1", "body 5"}
+    world.remove_body(second)
+    world.detect()
+    viewer.log(2)
+    assert set(viewer.meshes) == {"body 5"}
+
+
 def run(viewer, world, soft, positions):
     """Three steps: contacts, none, and contacts again; then a body goes."""
     for step, away in enumerate((0, 9, 0)):
@@ -134,6 +176,37 @@ def test_polyscope(two_tori, tmp_path, monkeypatch):
     run(viewer, world, soft, positions)
     polyscope.frame_tick()
     assert not polyscope.has_surface_mesh("body 1") and not polyscope.has_point_cloud("contacts")
+
+
+def test_polyscope_shows_the_triangles_of_another_mesh(tmp_path, monkeypatch):
+    polyscope = pytest.importorskip("polyscope", reason="polyscope is not installed")
+    monkeypatch.chdir(tmp_path)
+    polyscope.init("openGL_mock")
+    made, register = [], polyscope.register_surface_mesh
+
+    def watched(name, vertices, triangles, **options):
+        made.append((name, np.array(triangles)))
+        return register(name, vertices, triangles, **options)
+
+    monkeypatch.setattr(polyscope, "register_surface_mesh", watched)
+    world = pierce.World("embree", 1)
+    vertices, triangles = box()
+    order = np.array([7, 1, 2, 3, 4, 5, 6, 0])
+    mesh = world.add_mesh((vertices, triangles))
+    other = world.add_mesh((vertices[order], order[triangles].astype(np.uint32)))
+    rigid, soft = world.add_rigid_body(mesh), world.add_deforming_body(mesh)
+    viewer = viewers.Polyscope(world, names={rigid: "rigid", soft: "soft"})
+    for step in range(2):
+        world.detect()
+        viewer.log(step)
+    assert [name for name, _ in made] == ["rigid", "soft"]
+    world.set_mesh(rigid, other)
+    world.set_mesh(soft, other, vertices[order])
+    world.detect()
+    viewer.log(2)
+    assert [name for name, _ in made] == ["rigid", "soft"] * 2
+    for _, shown in made[2:]:
+        np.testing.assert_array_equal(shown, world.mesh(other).triangles)
 
 
 def free_port():
