@@ -19,12 +19,13 @@ def track(
     """Yields the items, and draws how many are done and how much time is left.
 
     total: number of items; None: their len(), if they have one.
-    out: where the bar is; None: standard error. Nothing is drawn if that is no terminal.
+    out: where the bar is; None: standard error.
+        Nothing is drawn if that is no terminal, or if a program has none.
     """
     out = out or sys.stderr
     if total is None and isinstance(items, Sized):
         total = len(items)
-    if not out.isatty():
+    if out is None or not out.isatty():
         yield from items
         return
     begin = drawn = time.monotonic()

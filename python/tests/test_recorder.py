@@ -81,3 +81,5 @@ def test_track_shows_a_bar_on_terminals_only(monkeypatch):
     assert terminal.getvalue().endswith("\r\033[K")
     assert list(pierce.track((k for k in range(3)), out=terminal)) == [0, 1, 2]
     assert list(pierce.track(range(4), out=file)) == [0, 1, 2, 3] and file.getvalue() == ""
+    monkeypatch.setattr("sys.stderr", None)
+    assert list(pierce.track(range(4))) == [0, 1, 2, 3]
