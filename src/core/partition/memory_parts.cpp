@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/step/common/pairs.hpp"
-#include "core/step/sheets/sheet_features.hpp"
 
 namespace pierce {
 namespace {
@@ -105,15 +104,16 @@ private:
 
     void take_sheet_records(const Place& at, std::uint64_t here) {
         const StepMemory& f = from_[at.memory];
-        // Parts may give numbers of features another count of bits.
-        const std::uint32_t bits = f.sheet_bits;
-        for (std::size_t r = first_of(f.sheet_keys, at.pair, static_cast<int>(bits) + 3);
-             r < f.sheet_keys.size() && stages::pair_of(f.sheet_keys[r], bits) == at.pair; ++r) {
-            const std::uint64_t key = f.sheet_keys[r];
-            joined_.sheet_keys.push_back(stages::feature_key(
-                static_cast<std::uint32_t>(here), static_cast<stages::FeatureKind>(key >> bits & 7),
-                static_cast<std::uint32_t>(key & ((std::uint64_t{1} << bits) - 1)),
-                joined_.sheet_bits));
+        // A key is the pair, the kind of the feature, and its number in so many bits, of which
+        // parts may have more or fewer (stages::feature_key).
+        constexpr int kind_bits = 3;
+        const int bits = static_cast<int>(f.sheet_bits), shift = bits + kind_bits,
+                  now = static_cast<int>(joined_.sheet_bits);
+        for (std::size_t r = first_of(f.sheet_keys, at.pair, shift);
+             r < f.sheet_keys.size() && f.sheet_keys[r] >> shift == at.pair; ++r) {
+            const std::uint64_t kind = f.sheet_keys[r] >> bits & ((1u << kind_bits) - 1),
+                                number = f.sheet_keys[r] & ((std::uint64_t{1} << bits) - 1);
+            joined_.sheet_keys.push_back((here << kind_bits | kind) << now | number);
             joined_.sheet_records.push_back(f.sheet_records[r]);
         }
     }

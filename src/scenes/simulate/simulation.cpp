@@ -203,6 +203,16 @@ const FrameResult& Simulation::step(double dt) {
     return s.result;
 }
 
+namespace {
+
+void add_pose(std::vector<float>& values, const Pose& pose) {
+    for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x,
+                     pose.rotation.y, pose.rotation.z, pose.rotation.w})
+        values.push_back(static_cast<float>(v));
+}
+
+}  // namespace
+
 void Simulation::State::record(Recording& recording, bool as_tried) const {
     for (std::uint32_t i = 0; i < recording.bodies.size(); ++i) {
         std::vector<float>& values = recording.bodies[i].values;
@@ -217,10 +227,24 @@ void Simulation::State::record(Recording& recording, bool as_tried) const {
         } else if (!given[i].empty()) {
             add(given[i]);
         } else {
-            const Pose pose = bullet::from_bullet(rigid[i]->getWorldTransform());
-            for (double v : {pose.position.x, pose.position.y, pose.position.z, pose.rotation.x,
-                             pose.rotation.y, pose.rotation.z, pose.rotation.w})
-                values.push_back(static_cast<float>(v));
+            add_pose(values, bullet::from_bullet(rigid[i]->getWorldTransform()));
+        }
+    }
+    ++recording.frame_count;
+}
+
+/// Adds the bodies where the last step has looked for contacts of solids.
+void Simulation::State::record_seen(Recording& recording) const {
+    for (std::uint32_t i = 0; i < recording.bodies.size(); ++i) {
+        std::vector<float>& values = recording.bodies[i].values;
+        const BodyId body = rays->bodies[i];
+        if (rays->world.motion_of(body) != Motion::deforming) {
+            add_pose(values, rays->world.pose_of(body));
+            continue;
+        }
+        for (const Vec3d p : rays->world.vertex_positions(body)) {
+            const Vec3f place = to_float(p);
+            values.insert(values.end(), {place.x, place.y, place.z});
         }
     }
     ++recording.frame_count;
@@ -246,10 +270,13 @@ void Simulation::State::record_mesh(Recording& recording, std::uint32_t index) c
 
 const FrameResult& Simulation::step(double dt, Recording& recording) {
     const State& s = *state_;
-    const bool looks_at_end = s.apart != nullptr || (s.installed == nullptr && s.rays != nullptr);
-    if (!looks_at_end) record(recording);
+    if (s.rays == nullptr) record(recording);
     step(dt);
-    if (looks_at_end) record(recording);
+    // Bullet moves nodes of solids ahead before it looks for their contacts.
+    if (s.rays != nullptr && s.installed != nullptr && s.apart == nullptr)
+        s.record_seen(recording);
+    else if (s.rays != nullptr)
+        record(recording);
     return s.result;
 }
 

@@ -21,7 +21,8 @@ public:
     /// Runs one time step of `dt` seconds; throws InputError unless `dt` is positive.
     const FrameResult& step(double dt);
     /// The same, and adds the bodies to a recording of the same scene where the step has looked for
-    /// contacts: for sheets that is where it ends, else where it begins.
+    /// contacts: for sheets that is where it ends, else where it begins, with nodes of solids that
+    /// deform moved ahead.
     const FrameResult& step(double dt, Recording& recording);
 
     /// Adds the bodies at their present places to a recording of the same scene.

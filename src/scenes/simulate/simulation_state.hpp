@@ -87,6 +87,7 @@ struct Simulation::State {
     void measure_sheets();
     void note_tried();
     void record(Recording& recording, bool as_tried) const;
+    void record_seen(Recording& recording) const;
     void record_mesh(Recording& recording, std::uint32_t index) const;
     btSoftBody* soft_body(std::size_t index) const {
         return soft[index] ? soft[index].get() : sheets[index] ? &sheets[index]->soft() : nullptr;

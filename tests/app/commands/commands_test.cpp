@@ -41,6 +41,42 @@ TEST_F(AppTest, WritesWithWhichSettingsItRan) {
         EXPECT_EQ(settings(std::string(" --coverage ") + coverage)["coverage"], coverage);
     for (const char* temporal : {"off", "paper", "certified"})
         EXPECT_EQ(settings(std::string(" --temporal ") + temporal)["temporal"], temporal);
+    const json others = settings(" --margin 0.25 --parts 2 --inside winding --mesh-cache " +
+                                 path("cache"));
+    EXPECT_EQ(others["margin"], 0.25);
+    EXPECT_EQ(others["parts"], 2);
+    EXPECT_EQ(others["inside"], "winding");
+    EXPECT_EQ(others["mesh_cache"], path("cache"));
+}
+
+TEST_F(AppTest, ReplaysTheContactsOfARunFrameByFrame) {
+    for (const char* scene : {"bunnies --count 3 --seconds 1", "tori --count 3 --seconds 1 --soft",
+                              "cloth-fold --nodes 10 --seconds 1", "tear --seconds 0.5"}) {
+        const std::string motion = path(scene);
+        ASSERT_EQ(pierce("run " + std::string(scene) + " --record '" + motion + "' --json " +
+                         path("run.json"))
+                      .code,
+                  0);
+        ASSERT_EQ(pierce("replay '" + motion + "' --json " + path("replay.json")).code, 0);
+        const json run = read("run.json")["frames"], replay = read("replay.json")["frames"];
+        ASSERT_EQ(run.size(), replay.size());
+        std::size_t contacts = 0;
+        for (std::size_t f = 0; f < run.size(); ++f) {
+            EXPECT_EQ(run[f]["hash"], replay[f]["hash"]) << scene << ", frame " << f;
+            contacts += run[f]["contacts"].get<std::size_t>();
+        }
+        EXPECT_GT(contacts, 0u) << scene;
+    }
+}
+
+TEST_F(AppTest, RefusesTwoFilesOfOneName) {
+    const auto refused = [&](const std::string& command) {
+        const Outcome outcome = pierce(command);
+        EXPECT_EQ(outcome.code, 2) << command;
+        EXPECT_THAT(outcome.text, HasSubstr("two files are to be written as")) << command;
+    };
+    refused("run tori --count 2 --seconds 0.1 --json " + path("a") + " --png " + path("./a"));
+    refused("run tori --count 2 --seconds 0.1 --html " + path("a") + " --json " + path("a"));
 }
 
 TEST_F(AppTest, WritesAPictureOfEveryFrame) {
@@ -97,7 +133,10 @@ TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
         for (const json& f : replayed["frames"]) all += f["hash"].get<std::string>();
         last_hashes.insert(all);
     }
-    EXPECT_EQ(last_hashes.size(), 1u) << "threads and backends give the same contacts";
+    std::string of_run;
+    for (const json& f : written["frames"]) of_run += f["hash"].get<std::string>();
+    last_hashes.insert(of_run);
+    EXPECT_EQ(last_hashes.size(), 1u) << "the run, threads and backends give the same contacts";
     EXPECT_FALSE(last_hashes.begin()->empty());
     for (const char* method : {"gjk-epa", "gjk-hull", "gimpact"})
         EXPECT_EQ(pierce("replay " + path("motion") + " --method " + method).code, 0) << method;

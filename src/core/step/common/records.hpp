@@ -69,6 +69,12 @@ struct BlockRecord {
                                                ///< reaches this
     std::uint32_t kept = 0;         ///< a bit for every patch whose vertices were looked at
     std::uint32_t first_patch = 0;  ///< where the records of those patches begin
+
+    /// Where they begin is written later, if there are any.
+    PIERCE_HD void keep(std::uint32_t patches) {
+        kept = patches;
+        first_patch = 0;
+    }
 };
 
 /// A patch whose vertices were looked at: 12 bytes.

@@ -271,10 +271,7 @@ struct CullBlock {
                 }
             }
         }
-        if (temporal != Temporal::off && first == 0) {
-            records[i].kept = mask;
-            records[i].first_patch = 0;
-        }
+        if (temporal != Temporal::off && first == 0) records[i].keep(mask);
         return Share::mine(mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }

@@ -27,7 +27,6 @@ struct Trace {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
         hits[i] = {};
-        if (!(ray.t_max >= 0)) return;
         const Candidates& known = candidates[i];
         const std::uint32_t count = known.count;
         if (count == 0 || count == Candidates::too_many) return;
@@ -47,7 +46,7 @@ struct TraceTree {
     View<Hit> hits;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        if (candidates[i].count != Candidates::too_many || !(rays[i].t_max >= 0)) return;
+        if (candidates[i].count != Candidates::too_many) return;
         const Ray ray = rays[i];
         const BodyView& body = bodies[ray.target];
         hits[i] = first_crossing(ray, body.surface(), [&](CrossingSearch& search) {

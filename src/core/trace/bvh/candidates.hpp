@@ -32,6 +32,7 @@ struct FindCandidates {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const Ray ray = rays[i];
+        candidates[i].count = 0;
         if (!(ray.t_max >= 0)) return;
         const BodyView& body = bodies[ray.target];
         const std::uint32_t t = forest.tree_of_body[ray.target];
