@@ -322,7 +322,7 @@ const StepStats& World::detect() {
         throw;
     } catch (...) {
         s.change();
-        s.backend->remember({});
+        s.backend->remember(StepMemory{});
         throw;
     }
     const std::uint32_t forgets_sides = s.forgets_sides;
