@@ -50,13 +50,15 @@ pierce_impact impact_of(const ImpactContact& i) {
     return impact;
 }
 
-/// Keeps the list until the next call.
-void give(pierce_world& world, const std::vector<ImpactContact>& found,
+/// Keeps the list in the world until the same call is made again.
+void give(std::vector<pierce_impact>& kept, const std::vector<ImpactContact>& found,
           const pierce_impact** impacts, std::size_t* count) {
-    world.impacts.clear();
-    for (const ImpactContact& impact : found) world.impacts.push_back(impact_of(impact));
-    *impacts = world.impacts.data();
-    *count = world.impacts.size();
+    std::vector<pierce_impact> list;
+    list.reserve(found.size());
+    for (const ImpactContact& impact : found) list.push_back(impact_of(impact));
+    kept = std::move(list);
+    *impacts = kept.data();
+    *count = kept.size();
 }
 
 }  // namespace
@@ -97,7 +99,7 @@ pierce_status pierce_impacts(pierce_world* world, uint32_t most_per_pair,
         auto& inner = world_of(world);
         required(impacts, "impacts");
         required(count, "count");
-        give(*world, inner.impacts(most_per_pair), impacts, count);
+        give(world->impacts, inner.impacts(most_per_pair), impacts, count);
     });
 }
 
@@ -114,6 +116,6 @@ pierce_status pierce_impacts_ahead(pierce_world* world, const pierce_body_id* bo
         ahead.reserve(handles.size());
         for (std::size_t i = 0; i < handles.size(); ++i)
             ahead.push_back({handles[i], pose_of(poses + 7 * i, "poses")});
-        give(*world, inner.impacts_ahead(ahead, most_per_pair), impacts, count);
+        give(world->impacts, inner.impacts_ahead(ahead, most_per_pair), impacts, count);
     });
 }

@@ -121,6 +121,7 @@ public:
         if (count > capacity_) {
             cudaFreeHost(data_);
             data_ = nullptr;
+            capacity_ = 0;
             check(cudaHostAlloc(&data_, count * sizeof(T), cudaHostAllocDefault),
                   "allocation of pinned memory");
             capacity_ = count;

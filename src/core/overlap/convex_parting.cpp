@@ -24,7 +24,8 @@ struct ConvexSurface {
 };
 
 /// Nothing if the surface is open, or not convex by more than the rounding of its positions.
-/// A closed surface is convex if it is at each edge.
+/// A closed surface is convex if it is at each edge, and in one piece: then it has two vertices and
+/// faces more than edges (Euler).
 std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     const auto& [points, triangles] = surface;
     Box box;
@@ -39,7 +40,9 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     }
     ConvexSurface convex;
     bool is_convex = true;
+    std::size_t edges = 0;
     HalfEdges(triangles, points.size()).for_each_edge([&](std::span<const HalfEdge> sides) {
+        ++edges;
         is_convex = is_convex && sides.size() == 2 && is_balanced(sides);
         if (!is_convex) return;
         const Vec3d p = points[sides[0].low];
@@ -53,7 +56,11 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
             convex.edges.push_back(
                 {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
     });
-    if (!is_convex) return std::nullopt;
+    std::vector<bool> is_used(points.size(), false);
+    for (const Triangle& t : triangles)
+        for (const std::uint32_t v : t.vertex) is_used[v] = true;
+    const auto used = static_cast<std::size_t>(std::ranges::count(is_used, true));
+    if (!is_convex || used + triangles.size() != edges + 2) return std::nullopt;
     const auto less = [](Vec3d a, Vec3d b) {
         return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };

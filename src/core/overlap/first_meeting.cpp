@@ -69,7 +69,7 @@ public:
                    normals_of(second, &MovingPoint::start)} {
         Box both = first.box();
         both.extend(second.box());
-        skin_ = constants::touch_tolerance * both.extent();
+        skin_ = touch_at_start(first, second);
         inner_first_ = inner(first, skin_);
         inner_second_ = inner(second, skin_);
         const double travel = travel_of(first) + travel_of(second);
@@ -148,7 +148,12 @@ private:
             const auto inner = [&](const MovingPoint& q) {
                 return MovingPoint{q.start - in.start, q.end - in.end};
             };
-            return vertex_meets_face(p, inner(a), inner(b), inner(c), impact);
+            if (vertex_meets_face(p, inner(a), inner(b), inner(c), impact)) return true;
+            // Where the surface is hollow, there is a gap between its faces within the skin.
+            const std::vector<MovingPoint>& in_face = (second ? inner_first_ : inner_second_)
+                                                          .points;
+            return vertex_meets_face(p, in_face[corner[0]], in_face[corner[1]], in_face[corner[2]],
+                                     impact);
         };
         const auto describe = [&](const Impact& impact, bool in_skin) {
             const double time = impact.time;
@@ -337,6 +342,20 @@ Box MovingSurface::box() const {
         around.extend(p.end);
     }
     return around;
+}
+
+double touch_at_start(const MovingSurface& first, const MovingSurface& second) {
+    const auto box_of = [](const MovingSurface& surface) {
+        Box box;
+        for (const MovingPoint& p : surface.points) box.extend(p.start);
+        return box;
+    };
+    const Box a = box_of(first), b = box_of(second);
+    const double apart = length(a.center() - b.center());
+    const auto reach = [&](const Box& source, const Box& target) {
+        return std::min(target.extent(), source.extent() + apart);
+    };
+    return constants::touch_tolerance * std::max(reach(a, b), reach(b, a));
 }
 
 std::vector<FirstMeeting> first_meetings(const MovingSurface& first, const MovingSurface& second,

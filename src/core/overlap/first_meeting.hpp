@@ -33,6 +33,10 @@ struct FirstMeeting {
     std::uint32_t triangle = 0;  ///< the face, or one at the second surface's edge
 };
 
+/// [length] The touch tolerance of two surfaces where they begin: of the larger one of its two
+/// directions, as contacts have it (docs/numbers.md).
+double touch_at_start(const MovingSurface& first, const MovingSurface& second);
+
 /// The first meeting of two surfaces, nothing if they do not meet. No meeting is missed
 /// (core/geometry/continuous.hpp) but of places that touch at time 0 and are not deeper than the
 /// touch tolerance later. It is followed by the first meetings of other vertices, far from each

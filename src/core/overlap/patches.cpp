@@ -71,8 +71,9 @@ public:
         : other_(other), origin_(origin), touch_(touch), outward_(outward), places_(places) {}
 
     /// Triangles from the middle of the part to its outline, each by the middles of its edges: a
-    /// rule that is exact for squares of places. A part that does not see its whole outline from
-    /// its middle is one place.
+    /// rule that is exact for squares of places. Of a part that does not see its whole outline from
+    /// its middle, as a ring, the middle may be outside: it counts at the middles of its outline,
+    /// where it has no depth.
     void add(const FacePart& part) {
         if (!(part.area > 0)) return;
         // Of a sliver, whose area is hardly more than rounding, the middle is within the outline,
@@ -91,7 +92,14 @@ public:
             return area(piece) >= -constants::double_rounding * part.area;
         });
         if (!is_star) {
-            add(origin_ + middle, part.area, part.normal);
+            double around_all = 0;
+            const auto size = [](const OutlinePiece& piece) {
+                return piece.weight * length(piece.to - piece.from);
+            };
+            for (const OutlinePiece& piece : part.outline) around_all += size(piece);
+            for (const OutlinePiece& piece : part.outline)
+                add(origin_ + 0.5 * (piece.from + piece.to), part.area * size(piece) / around_all,
+                    part.normal);
             return;
         }
         for (const OutlinePiece& piece : part.outline) {

@@ -38,7 +38,7 @@ namespace pierce {
 
 /// The step on any executor and tracer. It is in one file, although that is long, so that it can be
 /// read from top to bottom. It owns the buffers between stages; buffers grow and are kept, so a
-/// steady step allocates nothing.
+/// steady step allocates none of them.
 template <Executor E, Tracer<E> T>
 class Pipeline {
 public:
@@ -269,7 +269,7 @@ private:
         sheets_.forget();
     }
 
-    // bounds: Where bodies are. Only for deforming bodies it reads the vertices.
+    // bounds: Where bodies are. Reads the vertices of deforming bodies only.
     void bounds(const Scene& scene) {
         if (scene.ranges.size < scene.bodies.size)
             executor_.for_each(scene.bodies.size,

@@ -268,7 +268,7 @@ const char* how_found(Found found) {
         case Found::tangled:
             break;
     }
-    return "";  // contacts of sheets are described by of_sheet()
+    return "";  // what was found is said elsewhere
 }
 
 /// The sentence about the vertex of a sheet's contact.
@@ -298,8 +298,8 @@ std::string Explanation::text() const {
         case Reason::contact:
             if (contact && contact->of_sheet) return of_sheet(*contact);
             if (contact && contact->distance > 0)
-                s = "In contact: the vertex is outside, and with " + number(contact->distance) +
-                    " closer than the margin";
+                s = "In contact: the vertex is outside, and " + number(contact->distance) +
+                    " away, closer than the margin,";
             else
                 s = "In contact: the vertex is inside and " +
                     number(contact ? contact->penetration_depth() : t) + " deep";
@@ -386,11 +386,12 @@ std::string Explanation::text() const {
             break;
     }
     if (certificate.kind != Certificate::none) {
-        constexpr const char* who[] = {"", "its patch of vertices",
-                                       "all of its patch that was not near", "this vertex"};
-        s += std::string(" No ray is needed until the bodies have moved on by ") +
-             number(certificate.left) + ": " + who[certificate.kind] +
-             " is proved to stay outside.";
+        constexpr const char* who[] = {
+            "", "the vertices of its patch are proved to stay outside",
+            "the vertices of its patch that were not near are proved to stay outside",
+            "it is proved to stay outside"};
+        s += std::string(" No ray is needed until the bodies have moved by another ") +
+             number(certificate.left) + ": " + who[certificate.kind] + ".";
     }
     return s;
 }

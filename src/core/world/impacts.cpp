@@ -34,15 +34,21 @@ bool overlap_at_start(const MovingSurface& a, const MovingSurface& b) {
     const FaceParts parts = find_face_parts(grid, {points[0], a.triangles},
                                             {points[1], b.triangles});
     // What is inside as a whole overlaps, however small it is beside the other one.
-    for (int side = 0; side < 2; ++side)
-        if (parts.vertices_in[side].size() == points[side].size()) return true;
+    for (int side = 0; side < 2; ++side) {
+        std::vector<bool> is_out(points[side].size(), false);
+        for (const Triangle& t : (side == 0 ? a : b).triangles)
+            for (const std::uint32_t v : t.vertex) is_out[v] = true;
+        for (const std::uint32_t v : parts.vertices_in[side]) is_out[v] = false;
+        if (std::ranges::count(is_out, true) == 0) return true;
+    }
     double volume = 0, area = 0;
     for (const std::vector<FacePart>& side : parts.of)
         for (const FacePart& part : side) {
             volume += volume_of(part);
             area += part.area;
         }
-    return volume > constants::touch_tolerance * around.extent() * area;
+    // The grid moves the points of each surface by less than a step.
+    return volume > std::max(touch_at_start(a, b), 2 * grid.step()) * area;
 }
 
 /// The way of a rigid body.

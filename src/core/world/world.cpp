@@ -310,6 +310,8 @@ const StepStats& World::detect() {
     };
     if (s.is_at_rest() && s.backend->step_at_rest()) {
         s.stats.stages.clear();
+        s.stats.part_milliseconds.clear();
+        s.stats.device_milliseconds = 0;
         s.stats.at_rest = true;
         s.stats.milliseconds = took();
         return s.stats;

@@ -19,11 +19,11 @@ struct PoseAhead {
 /// that lets the two approach along the normal by no more than `gap` in the step keeps them apart.
 struct ImpactContact {
     BodyId a, b;      ///< a < b by index
-    double time = 0;  ///< [0..1] of the step; never after they meet; of what touches when the step
-                      ///< begins: until it is as deep as the touch tolerance
+    double time = 0;  ///< [0..1] of the step; never after they meet. If the two touch when the
+                      ///< step begins: when their depth reaches the touch tolerance
     Vec3d point;      ///< world space, at that time
     Vec3d normal;     ///< unit, from a to b: of the face, or across both edges
-    double gap = 0;   ///< [length] what meets is so far apart along the normal as the step begins
+    double gap = 0;   ///< [length] of what meets, along the normal, when the step begins
     Vec3d start_a, start_b;              ///< world space: where what meets is then, on a and on b
     bool edges = false;                  ///< two edges meet; else a vertex and a face
     Side source = Side::a;               ///< the body of the vertex; Side::a for edges

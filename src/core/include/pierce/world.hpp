@@ -279,11 +279,11 @@ public:
     /// How far body b has to move, and where to, until it does not overlap body a any more, with
     /// both where the last set_pose or set_positions left them; nothing if they do not overlap by
     /// more than the touch tolerance. The move was tried: afterwards complete coverage sees no
-    /// contact that is deeper; or it puts a plane between the two. So but for that tolerance the
-    /// depth is never less than the shortest translation that parts them. It is that of two convex
-    /// meshes that are not large; docs/contacts.md says how near others come to it. Nothing of the
-    /// last step is used or changed; the pair is moved and looked at some ten to a hundred times,
-    /// on one thread of the host. Throws InputError for a body and itself, and for a sheet.
+    /// contact that is deeper; or it puts a plane between the two. Apart from that tolerance, the
+    /// depth is an upper bound of the minimum translation. For two convex meshes that are not large
+    /// it is that; docs/contacts.md says how near others come to it, and for which it fails. Nothing
+    /// of the last step is used or changed; the pair is moved and looked at some ten to a hundred
+    /// times, on one thread of the host. Throws InputError for a body and itself, and for a sheet.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// What two solids have in common, with both where the last set_pose or set_positions left
@@ -303,8 +303,8 @@ public:
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
 
     /// What touches a sensor, such as the skin of a finger: `points` on it, with normals that point
-    /// out of it. A solid that covers a point is pressed in as far as the way from the point
-    /// against the normal to where it leaves the solid. Others are near if the point meets them
+    /// out of it. For a point inside a solid, the solid is pressed in as far as one must go from
+    /// the point, against the normal, to leave it. Others are near if the point meets them
     /// along the normal, `radius` away at most. Of several solids the one counts that is pressed in
     /// furthest, or nearest. `others`: the bodies that count; empty: all, the sensor's own ones as
     /// well. Sheets do not count. Bodies are where the last detect() saw them. Normals need not be

@@ -40,14 +40,16 @@ struct MayCross {
 
 /// True for pairs that have no contact with a depth so far although an edge may cross a triangle,
 /// and the end of an edge may be inside. If each vertex inside is in contact, only ends are left
-/// that touch the surface.
+/// that touch the surface, and those of pairs without a contact: their rays may begin within the
+/// touch tolerance of it.
 struct IsCrossed {
     PairMarks marks;
     bool inside_is_contact = false;
 
     PIERCE_HD bool operator()(std::uint32_t pair) const {
         return marks.any(pair, PairMarks::edge_crosses) && !marks.any(pair, PairMarks::has_depth) &&
-               (!inside_is_contact || marks.any(pair, PairMarks::vertex_touches));
+               (!inside_is_contact || marks.any(pair, PairMarks::vertex_touches) ||
+                !marks.any(pair, PairMarks::in_contact));
     }
 };
 
