@@ -191,6 +191,29 @@ TEST_P(CoverageTest, FindsEveryOverlapAndInventsNone) {
     EXPECT_GT(separated, 0);
 }
 
+// Every vertex of either is on the other one, to the touch tolerance, and every edge crosses once.
+TEST_P(CoverageTest, ABodyAndItsCopyNextToItAreInContact) {
+    const MeshData mesh{{{0.891187906f, 0.331624329f, 0.513450801f},
+                         {0.435217828f, 0.311345071f, 0.476829171f},
+                         {0.889005899f, 0.742870212f, 0.709132552f},
+                         {0.674113095f, 0.971450388f, 0.296864271f}},
+                        {{{0, 2, 1}}, {{0, 1, 3}}, {{0, 3, 2}}, {{1, 2, 3}}}};
+    test::Random random(7);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (const Coverage coverage : {Coverage::overlaps, Coverage::complete}) {
+        World world(GetParam().make(), {.coverage = coverage});
+        const MeshId id = world.add_mesh("mesh", mesh);
+        const double touch = constants::touch_tolerance * world.mesh(id).view({}).box.extent();
+        world.add_fixed_body(id);
+        const BodyId copy = world.add_rigid_body(id);
+        for (int i = 0; i < 400; ++i) {
+            world.set_pose(copy, {1.5 * touch * random.in_box(0.6), {}});
+            world.detect();
+            EXPECT_FALSE(world.contacts().empty()) << i;
+        }
+    }
+}
+
 TEST_P(CoverageTest, EveryChordWithinAnEdgeIsFoundAndEveryOtherOneWhereNothingElseIs) {
     test::Random random(9);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

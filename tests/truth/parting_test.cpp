@@ -116,6 +116,19 @@ TEST(PartingTest, ConvexBodiesMoveAsFarAsTheyMust) {
     EXPECT_GT(overlapping, 60);
 }
 
+TEST(PartingTest, SeveralConvexPartsAreNoConvexBody) {
+    World world;
+    const MeshId posts = world.add_mesh(
+        "posts",
+        scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}), scenes::box({100, 0, 0}, {101, 1, 1})));
+    const BodyId a = world.add_fixed_body(posts),
+                 b = world.add_rigid_body(world.add_mesh("ball", scenes::sphere(0.5, 2)),
+                                          {{1.4, 0.5, 0.5}, {}});
+    const std::optional<Parting> parting = world.parting(a, b);
+    ASSERT_TRUE(parting);
+    EXPECT_NEAR(parting->depth, 0.1, 0.01);
+}
+
 TEST(PartingTest, AnyBodiesAreApartAfterwards) {
     test::Random random(72);
     SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));

@@ -64,17 +64,16 @@ fs::path inside(const fs::path& folder, const std::string& name, const std::stri
 SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
     const auto rule = inside_named(entry.value("inside", std::string(name(Inside::automatic))));
     if (!rule) throw InputError(where + ": inside is none of automatic, closed, winding and none");
-    SceneMesh mesh{entry.at("name").get<std::string>(),
-                   read_mesh(inside(folder, entry.at("file").get<std::string>(), where)),
-                   {},
-                   *rule};
+    SceneMesh mesh{.name = entry.at("name").get<std::string>(),
+                   .data = read_mesh(inside(folder, entry.at("file").get<std::string>(), where)),
+                   .convex_pieces = {},
+                   .inside = *rule};
     const std::size_t vertices = mesh.data.positions.size();
     for (const Triangle& t : mesh.data.triangles)
         for (const std::uint32_t v : t.vertex)
             if (v >= vertices)
                 throw InputError(where + ": mesh '" + mesh.name + "' has no vertex " +
                                  std::to_string(v));
-    if (vertices == 0) throw InputError(where + ": mesh '" + mesh.name + "' has no vertices");
     return mesh;
 }
 

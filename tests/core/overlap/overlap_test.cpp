@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -257,6 +258,37 @@ TEST(OverlapTest, ABallInAPlateIsACapWithOnePatch) {
     EXPECT_NEAR(patch.normal.z, -1, 1e-3) << "from the ball to the plate";
     EXPECT_NEAR(patch.depth_volume, cap, 0.05 * cap);
     EXPECT_NEAR(length(patch.center - Vec3d{0, 0, -0.025}), 0, 0.01);
+}
+
+/// Of a tube that stands in a floor, the middle of the floor's ring is in the hole.
+TEST(OverlapTest, TheDeepestPlaceOfARingIsInside) {
+    constexpr std::uint32_t around = 24;
+    constexpr double inner = 0.8, outer = 1, sunk = 0.01;
+    MeshData tube;
+    for (const double radius : {inner, outer})
+        for (const double z : {-sunk, 1.0})
+            for (std::uint32_t k = 0; k < around; ++k) {
+                const double angle = 2 * std::numbers::pi * k / around;
+                tube.positions.push_back(
+                    to_float({radius * std::cos(angle), radius * std::sin(angle), z}));
+            }
+    const std::array<std::uint32_t, 4> ring = {0, around, 3 * around, 2 * around};
+    for (std::size_t side = 0; side < 4; ++side)
+        for (std::uint32_t k = 0; k < around; ++k) {
+            const std::uint32_t next = (k + 1) % around, a = ring[side], b = ring[(side + 1) % 4];
+            tube.triangles.push_back({{a + k, b + k, b + next}});
+            tube.triangles.push_back({{a + k, b + next, a + next}});
+        }
+    const Solid floor{scenes::box({-3, -3, -1}, {3, 3, 0}), {}};
+    const auto found = overlap_of(Solid{tube, {}}, floor);
+    ASSERT_TRUE(found);
+    ASSERT_FALSE(found->patches.empty());
+    const ContactPatch& patch = found->patches[0];
+    EXPECT_NEAR(patch.depth, sunk, 1e-6);
+    EXPECT_NEAR(patch.normal.z, -1, 1e-6) << "from the tube to the floor";
+    const double from_axis = std::hypot(patch.deepest.x, patch.deepest.y);
+    EXPECT_TRUE(from_axis > inner - 0.02 && from_axis < outer) << from_axis;
+    EXPECT_LT(patch.depth_volume, found->volume);
 }
 
 TEST(OverlapTest, OneBodyInsideAnotherHasNoPatchOfTheOther) {

@@ -1,7 +1,9 @@
 // First meetings of fast bodies, against overlaps at many times of the step.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "pierce/error.hpp"
 #include "pierce/world.hpp"
@@ -291,6 +293,73 @@ TEST(ImpactsTest, WhatIsInsideAsAWholeOverlapsHoweverSmallItIs) {
         world.set_pose(small, {{0, 0.1, 0.2}, upright});
         ASSERT_EQ(world.impacts().size(), 1u) << size;
         EXPECT_EQ(world.impacts()[0].a, large);
+    }
+}
+
+TEST(ImpactsTest, AnUnusedVertexIsNoPlaceOutside) {
+    World world;
+    world.add_fixed_body(world.add_mesh("large", scenes::box({-500, -500, -500}, {500, 500, 500})));
+    MeshData ball = scenes::sphere(1e-3, 1);
+    ball.positions.push_back({0, 0, 0});
+    const BodyId small = world.add_rigid_body(world.add_mesh("small", ball));
+    world.set_motion(small, {{499, 3, 7}, upright}, {{505, 3, 7}, upright});
+    EXPECT_TRUE(world.impacts().empty());
+}
+
+/// A needle whose tip touches beside the bottom of a groove, and falls.
+TEST(ImpactsTest, ATipInAGroove) {
+    MeshData groove;
+    const std::array<Vec3d, 5> outline = {
+        {{-4, 0, -6}, {4, 0, -6}, {4, 0, 4}, {0, 0, 0}, {-4, 0, 4}}};
+    for (const double y : {-10.0, 10.0})
+        for (const Vec3d p : outline) groove.positions.push_back(to_float({p.x, y, p.z}));
+    for (std::uint32_t k = 0; k < 5; ++k) {
+        const std::uint32_t next = (k + 1) % 5;
+        groove.triangles.push_back({{k, next + 5, next}});
+        groove.triangles.push_back({{k, k + 5, next + 5}});
+    }
+    for (const Triangle& t : {Triangle{{0, 1, 3}}, Triangle{{1, 2, 3}}, Triangle{{3, 4, 0}}}) {
+        const auto [a, b, c] = std::to_array(t.vertex);
+        groove.triangles.push_back({{a, b, c}});
+        groove.triangles.push_back({{a + 5, c + 5, b + 5}});
+    }
+    MeshData needle{{{0, 0, 0}}, {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 1}}, {{1, 3, 2}}}};
+    for (int k = 0; k < 3; ++k) {
+        const double angle = 2 * std::numbers::pi * k / 3, lean = 1.1;
+        needle.positions.push_back(
+            to_float(3 * Vec3d{std::cos(lean), 0, std::sin(lean)} +
+                     0.3 * std::cos(angle) * Vec3d{-std::sin(lean), 0, std::cos(lean)} +
+                     0.3 * std::sin(angle) * Vec3d{0, 1, 0}));
+    }
+    World world;
+    const MeshId groove_mesh = world.add_mesh("groove", groove),
+                 needle_mesh = world.add_mesh("needle", needle);
+    ASSERT_GT(world.mesh(groove_mesh).traits().volume, 0);
+    ASSERT_GT(world.mesh(needle_mesh).traits().volume, 0);
+    world.add_fixed_body(groove_mesh);
+    const BodyId falls = world.add_rigid_body(needle_mesh);
+    for (int i = 0; i <= 40; ++i)
+        for (const double drop : {0.05, 0.5, 2.0})
+            for (const double lift : {0.0, 1e-7, 1e-6, -1e-6}) {
+                const double beside = 0.5e-6 * i;
+                const Vec3d tip{beside, 0.3, beside + lift};
+                world.set_motion(falls, {tip, upright}, {tip - Vec3d{0, 0, drop}, upright});
+                EXPECT_EQ(world.impacts().size(), 1u) << beside << " " << drop << " " << lift;
+            }
+}
+
+/// The touch tolerance is that of contacts, not one of the large body.
+TEST(ImpactsTest, ASmallBodyOnALargeFloor) {
+    for (const float half : {1.0f, 100.0f, 500.0f}) {
+        World world;
+        world.add_fixed_body(
+            world.add_mesh("floor", scenes::box({-half, -half, -1}, {half, half, 0})));
+        const BodyId box = world.add_rigid_body(
+            world.add_mesh("box", scenes::box({-0.005f, -0.005f, 0}, {0.005f, 0.005f, 0.01f})));
+        world.set_motion(box, {{0, 0, 0}, upright}, {{0, 0, -1e-5}, upright});
+        EXPECT_EQ(world.impacts().size(), 1u) << half;
+        world.set_motion(box, {{0, 0, -1e-4}, upright}, {{0, 0, -2e-4}, upright});
+        EXPECT_TRUE(world.impacts().empty()) << half << ": they overlap as the step begins";
     }
 }
 

@@ -128,6 +128,16 @@ TEST_F(RecordingTest, BodiesMayChangeTheirMesh) {
     EXPECT_NO_THROW(require_lasting_meshes(sample(), "this"));
 }
 
+TEST_F(RecordingTest, RefusesMeshesThatHaveNotTheirVertices) {
+    const Recording changes = changing(sample());
+    for (const char* text : {"f 1 2 3\n", "v 0 0 0\nv 1 0 0\nf 1 2 3\n"}) {
+        write_recording(changes, folder);
+        for (const auto& entry : std::filesystem::directory_iterator(folder))
+            if (entry.path().extension() == ".obj") std::ofstream(entry.path()) << text;
+        expect_refused("has no vertex");
+    }
+}
+
 TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
     write_recording(changing(sample()), folder);
     overwrite("scene.json", "\"frame\": 2", "\"frame\": 1");

@@ -280,10 +280,11 @@ public:
     /// both where the last set_pose or set_positions left them; nothing if they do not overlap by
     /// more than the touch tolerance. The move was tried: afterwards complete coverage sees no
     /// contact that is deeper; or it puts a plane between the two. Apart from that tolerance, the
-    /// depth is an upper bound of the minimum translation. For two convex meshes that are not large
-    /// it is that; docs/contacts.md says how near others come to it, and for which it fails. Nothing
-    /// of the last step is used or changed; the pair is moved and looked at some ten to a hundred
-    /// times, on one thread of the host. Throws InputError for a body and itself, and for a sheet.
+    /// depth is not less than the shortest translation that parts them. For two convex meshes that
+    /// are not large it is that; docs/contacts.md says how near others come to it, and where it
+    /// fails. Nothing of the last step is used or changed; the pair is moved and looked at some ten
+    /// to a hundred times, on one thread of the host. Throws InputError for a body and itself, and
+    /// for a sheet.
     std::optional<Parting> parting(BodyId a, BodyId b);
 
     /// What two solids have in common, with both where the last set_pose or set_positions left
