@@ -1,7 +1,6 @@
 """Worlds, bodies and their contacts: the same as in C++, by names and by values."""
 
 import gc
-import itertools
 import re
 import subprocess
 import sys
@@ -373,11 +372,10 @@ def test_long_questions_do_not_hold_other_threads_up():
     thread.start()
     begin = time.perf_counter()
     assert world.overlap(a, b) is not None
-    took = time.perf_counter() - begin
+    end = time.perf_counter()
     over.set()
     thread.join()
-    longest = max(later - tick for tick, later in itertools.pairwise([begin, *ticks]))
-    assert longest < 0.5 * took
+    assert sum(begin < tick < end for tick in ticks) > 2
 
 
 def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
