@@ -139,7 +139,7 @@ World World::restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> 
         s.excluded = from.excluded;
         s.left_out = s.inside.left_out = from.left_out;
         s.forgets_sides = from.forgets_sides;
-        const BodySlots& slots = from.bodies.slots();
+        const auto& slots = from.bodies.slots();
         for (std::uint32_t b = 0; b < slots.size(); ++b) {
             s.inside.bodies.slots().push_back({{}, slots[b].generation, false});
             if (!slots[b].used || owners[b] != s.rank()) continue;

@@ -24,8 +24,6 @@
 
 namespace pierce::mpi {
 
-using BodySlots = std::vector<SlotMap<BodyTag, BodyEntry>::Slot>;
-
 /// What this rank knows of another one, and has told it.
 struct OtherRank {
     std::vector<std::uint32_t> has;  ///< numbers of own bodies that are its ghosts, sorted

@@ -61,7 +61,6 @@ std::vector<test::NamedBackend> chosen_backends(const std::vector<std::string>& 
     for (test::NamedBackend& backend : test::backends())
         if (names.empty() || std::ranges::count(names, backend.name) > 0)
             chosen.push_back(std::move(backend));
-    if (chosen.size() < names.size()) throw std::runtime_error("a backend cannot run here");
     return chosen;
 }
 
@@ -100,6 +99,10 @@ public:
         : options_(options), backends_([&options] { return chosen_backends(options.backends); }) {}
 
     int run() {
+        if (!can_run()) {
+            fmt::print(stderr, "pierce_fuzz: a backend of these cannot run here\n");
+            return 2;
+        }
         if (!options_.replay.empty()) return replay();
         if (options_.show) {
             fmt::print("{}", to_text(program_of_seed(options_.seed)));
@@ -111,6 +114,16 @@ public:
     }
 
 private:
+    /// True if all backends that were asked for can run. A process of its own looks for a device.
+    bool can_run() const {
+        const pid_t child = fork();
+        if (child < 0) throw std::runtime_error("no process");
+        if (child == 0) _exit(backends_().size() < options_.backends.size() ? 1 : 0);
+        int status = 0;
+        waitpid(child, &status, 0);
+        return status == 0;
+    }
+
     int replay() {
         int failed = 0;
         for (const std::string& path : options_.replay) {

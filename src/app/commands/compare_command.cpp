@@ -16,7 +16,6 @@
 
 namespace pierce::app {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using scenes::Accuracy;
 
@@ -129,7 +128,6 @@ int compare_recording(const CompareOptions& options) {
                                        {"methods", list}});
     }
     if (!options.plots.empty()) {
-        fs::create_directories(options.plots);
         write_plot(speed_against_error(figures_of(results), options.folder.filename().string()),
                    options.plots, "f1_speed_against_error",
                    json{{"machine", machine_json()}, {"versions", versions_json()}}.dump());

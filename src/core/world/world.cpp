@@ -322,7 +322,7 @@ const StepStats& World::detect() {
         s.refresh_views();
     } catch (const InputError&) {
         throw;
-    } catch (...) {
+    } catch (...) {  // memory has run out, and views are made in part
         s.change();
         s.backend->remember(StepMemory{});
         throw;
