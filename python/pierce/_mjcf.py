@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _shapes
-from ._core import InputError
 from ._needs import need
 from ._poses import inverse
 from .files import Part, Triangles, Vertices, placed, read_parts
@@ -26,11 +26,8 @@ _ROUNDING = 1e-5
 def read_mjcf(path: Path, shapes: str) -> tuple[Robot, list[str]]:
     """The robot, and what was left out of it."""
     mj = need("mujoco", "mujoco", "reading MJCF")
-    try:
-        spec = mj.MjSpec.from_file(str(path))
-        model = spec.compile()
-    except ValueError as error:
-        raise InputError(f"cannot read '{path}': {error}") from error
+    spec = mj.MjSpec.from_file(str(path))
+    model = spec.compile()
     reader = _Reader(mj, model, _files(mj, spec, path))
     geoms = [geom for geom in range(model.ngeom) if shapes in ("all", reader.purpose(geom))]
     for geom in geoms:
@@ -53,19 +50,21 @@ def read_mjcf(path: Path, shapes: str) -> tuple[Robot, list[str]]:
 
 
 class _Kinematics:
-    """Where meshes are, by MuJoCo."""
+    """Where meshes are, by MuJoCo. Threads may share it."""
 
     def __init__(self, mj: Any, model: Any, geoms: list[int], offsets: list[Floats]) -> None:
         self._mj, self._model, self._data = mj, model, mj.MjData(model)
+        self._in_use = Lock()
         self._geoms = geoms
         self._offsets = np.array(offsets).reshape(-1, 4, 4)
 
     def __call__(self, values: Floats) -> Floats:
-        self._data.qpos[:] = values
-        self._mj.mj_kinematics(self._model, self._data)
         matrices = np.tile(np.eye(4), (len(self._geoms), 1, 1))
-        matrices[:, :3, :3] = self._data.geom_xmat[self._geoms].reshape(-1, 3, 3)
-        matrices[:, :3, 3] = self._data.geom_xpos[self._geoms]
+        with self._in_use:
+            self._data.qpos[:] = values
+            self._mj.mj_kinematics(self._model, self._data)
+            matrices[:, :3, :3] = self._data.geom_xmat[self._geoms].reshape(-1, 3, 3)
+            matrices[:, :3, 3] = self._data.geom_xpos[self._geoms]
         return matrices @ self._offsets
 
 
@@ -198,12 +197,19 @@ def _reference(mj: Any, mesh: Any) -> tuple[Floats, Floats | None]:
 
 
 def _joints(mj: Any, model: Any) -> dict[str, slice]:
+    """Where each joint's values are; "joint 3" is one without a name, unless another has it."""
     counts = {mj.mjtJoint.mjJNT_FREE: 7, mj.mjtJoint.mjJNT_BALL: 4}
+    given = {model.joint(joint).name for joint in range(model.njnt)}
     joints = {}
     for joint in range(model.njnt):
         first = int(model.jnt_qposadr[joint])
         count = counts.get(mj.mjtJoint(model.jnt_type[joint]), 1)
-        joints[model.joint(joint).name or f"joint {joint}"] = slice(first, first + count)
+        name = model.joint(joint).name
+        if not name:
+            name = f"joint {joint}"
+            while name in given:
+                name += "'"
+        joints[name] = slice(first, first + count)
     return joints
 
 

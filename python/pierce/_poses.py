@@ -16,6 +16,8 @@ _RIGID = 1e-5
 def matrix_of(pose: ArrayLike) -> Floats:
     """The matrix (4, 4) of a pose of seven numbers, or of what is a rigid matrix already."""
     given = np.asarray(pose, np.float64)
+    if not np.isfinite(given).all():
+        raise ValueError("the pose is not finite")
     if given.shape == (4, 4):
         turn = given[:3, :3]
         if not np.allclose(turn.T @ turn, np.eye(3), atol=_RIGID) or np.linalg.det(turn) < 0:
@@ -23,6 +25,8 @@ def matrix_of(pose: ArrayLike) -> Floats:
         return given
     if given.shape != (7,):
         raise ValueError(f"expected a pose of seven numbers or a matrix (4, 4), got {given.shape}")
+    if not given[3:].any():
+        raise ValueError("the pose has no rotation: its quaternion is 0")
     matrix = np.eye(4)
     matrix[:3, :3] = rotations_of(given[None, 3:])[0]
     matrix[:3, 3] = given[:3]

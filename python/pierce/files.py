@@ -173,6 +173,9 @@ def _read_stl(path: Path, groups: bool) -> list[Part]:
 
 
 _TRIANGLE_FAN = 6
+_QUANTIZATION = "KHR_mesh_quantization"
+_OF_LOOKS = ("materials", "texture", "lights")
+"""Words of extensions of glTF that say nothing about triangles, as in `KHR_materials_unlit`."""
 
 
 def _refuse_what_is_misread(path: Path) -> None:
@@ -181,13 +184,23 @@ def _refuse_what_is_misread(path: Path) -> None:
     if content[:4] == b"glTF":  # twelve bytes, and the length and the kind of the first chunk
         content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
     described = json.loads(content)
+    unknown = [
+        name
+        for name in described.get("extensionsRequired", [])
+        if name != _QUANTIZATION and not any(f"_{word}_" in f"{name}_" for word in _OF_LOOKS)
+    ]
+    if unknown:
+        raise InputError(
+            f"cannot read '{path}': it requires {', '.join(sorted(unknown))}, which is not "
+            "supported; write it without"
+        )
     modes = [
         primitive.get("mode")
         for mesh in described.get("meshes", [])
         for primitive in mesh.get("primitives", [])
     ]
     for is_there, what in (
-        ("KHR_mesh_quantization" in described.get("extensionsUsed", []), "quantized positions"),
+        (_QUANTIZATION in described.get("extensionsUsed", []), "quantized positions"),
         (any("sparse" in each for each in described.get("accessors", [])), "sparse accessors"),
         (_TRIANGLE_FAN in modes, "triangle fans"),
     ):

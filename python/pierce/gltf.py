@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import Contacts, InputError, Recording
+from ._frames import check_writable, deforms, per_frame
 from ._frames import contacts_of as replay
-from ._frames import deforms
 from ._needs import need
 
 __all__ = ["replay", "write_animation"]
@@ -48,21 +48,24 @@ def write_animation(
     The contacts of a frame are a node of their own, whose scale is 0 in all other frames.
     pygltflib writes the file.
 
-    Raises InputError for a body whose mesh changes, which glTF cannot say.
+    Raises InputError for a body whose mesh changes, which glTF cannot say, for contacts of too few
+    frames, for a name that no file may have, and for a recording without bodies.
     """
     if up not in _TURN:
         raise ValueError(f"up: expected y or z, got '{up}'")
+    path = Path(path)
+    check_writable(recording, path, ".glb")
     writer = _Writer(need("pygltflib", "pygltflib", "writing glTF"), recording, up)
+    steps = () if contacts is None else per_frame(recording, contacts)
     for body, name in enumerate(recording.body_names):
         if deforms(recording, body):
             writer.add_deforming(body, name)
         else:
             writer.add_rigid(body, name)
-    if contacts is not None:
-        for frame, found in zip(range(recording.frame_count), contacts):
-            if len(found):
-                writer.add_contacts(frame, found)
-    writer.save(Path(path))
+    for frame, found in enumerate(steps):
+        if len(found):
+            writer.add_contacts(frame, found)
+    writer.save(path)
 
 
 class _Writer:
@@ -156,6 +159,8 @@ class _Writer:
         file = self._file
         if not file.animations[0].channels:
             file.animations = []
+        if not self._blob:  # glTF has no empty buffers
+            raise InputError("the recording has no body with a place")
         file.buffers = [self._lib.Buffer(byteLength=len(self._blob))]
         file.set_binary_blob(bytes(self._blob))
         file.save_binary(str(path))

@@ -15,8 +15,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ._core import Contacts, Recording
+from ._frames import check_writable, per_frame, surface
 from ._frames import contacts_of as replay
-from ._frames import surface
 from ._needs import need
 
 __all__ = ["replay", "write_series"]
@@ -41,9 +41,13 @@ def write_series(
     `body_a`, `body_b`, `found` (a `Found`) and all else that a contact has.
     A body whose place is not finite is left out of that frame.
     meshio writes the files; ParaView shows surfaces as part 0 and contacts as part 1.
+
+    Raises InputError for a name that no file may have, for contacts of too few frames, and for a
+    recording without bodies.
     """
     meshio = need("meshio", "meshio", "writing for ParaView")
     path = Path(path)
+    check_writable(recording, path, ".pvd")
     folder = path.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     with open(folder / "bodies.csv", "w", newline="", encoding="utf-8") as names:
@@ -51,14 +55,11 @@ def write_series(
         rows.writerows([("body", "name"), *enumerate(recording.body_names)])
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     listed = ElementTree.SubElement(root, "Collection")
-    steps = iter(contacts) if contacts is not None else None
+    steps = None if contacts is None else per_frame(recording, contacts)
     for frame in range(recording.frame_count):
         written = {"bodies": _bodies(meshio, recording, frame)}
         if steps is not None:
-            found = next(steps, None)
-            if found is None:
-                raise ValueError(f"there are contacts of {frame} frames only")
-            written["contacts"] = _points(meshio, found)
+            written["contacts"] = _points(meshio, next(steps))
         for part, (kind, mesh) in enumerate(written.items()):
             file = folder / f"{kind}_{frame:06d}.vtu"
             mesh.write(file, binary=True)

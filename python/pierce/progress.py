@@ -29,15 +29,17 @@ def track(
         yield from items
         return
     begin = drawn = time.monotonic()
-    for done, item in enumerate(items):
-        now = time.monotonic()
-        if done > 0 and now - drawn >= _REDRAW:
-            out.write("\r\033[K" + _bar(what, done, total, now - begin))
-            out.flush()
-            drawn = now
-        yield item
-    out.write("\r\033[K")
-    out.flush()
+    try:
+        for done, item in enumerate(items):
+            now = time.monotonic()
+            if done > 0 and now - drawn >= _REDRAW:
+                out.write("\r\033[K" + _bar(what, done, total, now - begin))
+                out.flush()
+                drawn = now
+            yield item
+    finally:  # also where the loop ends early
+        out.write("\r\033[K")
+        out.flush()
 
 
 def _bar(what: str, done: int, total: int | None, seconds: float) -> str:

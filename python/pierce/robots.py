@@ -5,7 +5,7 @@
     bodies.set({"elbow_joint": 1.2})
     contacts = world.detect()
 
-URDF is read by yourdfpy, MJCF by MuJoCo; each places the links, too.
+MJCF is read by MuJoCo, which places the links, too.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._core import BodyId, Filter, InputError, World
+from ._core import BodyId, Filter, InputError, MeshId, World
 from ._poses import matrix_of, poses_of
 from .files import Triangles, Vertices
 
@@ -89,7 +89,8 @@ class Robot:
         """All joint values, float64 (k,).
 
         given: all of them, or some by the names of joints, the others being at rest.
-        Raises ValueError for a wrong number of values, KeyError for an unknown joint.
+        Raises ValueError for a wrong number of values and for one that is not finite, KeyError
+        for an unknown joint.
         """
         if given is None:
             return self.rest.copy()
@@ -98,13 +99,22 @@ class Robot:
             for joint, value in given.items():
                 if joint not in self.joints:
                     raise KeyError(f"'{self.name}' has no joint '{joint}', but {[*self.joints]}")
-                every[self.joints[joint]] = value
-            return every
-        every = np.array(given, np.float64)
-        if every.shape != self.rest.shape:
-            raise ValueError(
-                f"'{self.name}' has {len(self.rest)} joint values, got shape {every.shape}"
-            )
+                own = every[self.joints[joint]]
+                numbers = np.asarray(value, np.float64)
+                if numbers.size != len(own):
+                    raise ValueError(
+                        f"joint '{joint}' has {len(own)} values, got shape {numbers.shape}"
+                    )
+                own[:] = numbers.ravel()
+        else:
+            every = np.array(given, np.float64)
+            if every.shape != self.rest.shape:
+                raise ValueError(
+                    f"'{self.name}' has {len(self.rest)} joint values, got shape {every.shape}"
+                )
+        if not np.isfinite(every).all():
+            wrong = [name for name, own in self.joints.items() if not np.isfinite(every[own]).all()]
+            raise InputError(f"'{self.name}': the values of joints {wrong} are not finite")
         return every
 
     def poses(self, values: Values = None, base: ArrayLike | None = None) -> Floats:
@@ -132,23 +142,30 @@ class Robot:
             another number: no two shapes meet, as they are of this chain (`Filter.chain`), which
             must be the robot's own.
         options: of `World.add_mesh()`, such as `inside`.
+
+        What cannot be used is refused, and then the world is as it was.
         """
-        used = sorted({shape.mesh for shape in self.shapes})
-        meshes = {
-            place: world.add_mesh(self.meshes[place].mesh, self.meshes[place].name, **options)
-            for place in used
-        }
-        poses = self.poses(values, base)
-        bodies = [
-            world.add_rigid_body(meshes[shape.mesh], pose)
-            for shape, pose in zip(self.shapes, poses)
-        ]
-        if chain:
+        poses, filter_of_all = self.poses(values, base), Filter(chain=chain)
+        meshes: dict[int, MeshId] = {}
+        bodies: list[BodyId] = []
+        try:
+            for place in sorted({shape.mesh for shape in self.shapes}):
+                mesh = self.meshes[place]
+                meshes[place] = world.add_mesh(mesh.mesh, mesh.name, **options)
+            for shape, pose in zip(self.shapes, poses):
+                bodies.append(world.add_rigid_body(meshes[shape.mesh], pose))
+            if chain:
+                for body in bodies:
+                    world.set_filter(body, filter_of_all)
+            else:
+                for a, b in np.argwhere(np.triu(~self.meets, 1)):
+                    world.exclude(bodies[a], bodies[b])
+        except BaseException:
             for body in bodies:
-                world.set_filter(body, Filter(chain=chain))
-        else:
-            for a, b in np.argwhere(np.triu(~self.meets, 1)):
-                world.exclude(bodies[a], bodies[b])
+                world.remove_body(body)
+            for added in meshes.values():
+                world.remove_mesh(added)
+            raise
         return RobotBodies(self, world, bodies)
 
 
@@ -176,33 +193,49 @@ def read_robot(
     shapes: str = "collision",
     packages: Mapping[str, str | Path] | None = None,
 ) -> Robot:
-    """Reads a robot: `.urdf` by yourdfpy, anything else as MJCF by MuJoCo.
+    """Reads a robot: `.urdf` as URDF, anything else as MJCF by MuJoCo.
 
     shapes: "collision", "visual" or "all"; in MJCF, shapes that can be in contact are for
         collision, and the others are visual.
-    packages: folders of "package://NAME/..." in URDF; None: they are looked for around the file.
+    packages: folders of "package://NAME/..." in URDF; others are looked for around the file, by
+        the names of folders and by what `package.xml` says.
 
     Meshes have the triangles of their files, in their order, with vertices at the same position
     joined.
     Boxes, spheres, cylinders, capsules and ellipsoids become triangles; planes and height fields
     are left out, with a warning.
-    Raises InputError for what cannot be read.
+    Raises InputError for what cannot be read, with the file and what is wrong in it.
     """
     path = Path(path)
     if not path.is_file():
         raise InputError(f"cannot open '{path}'")
     if shapes not in ("collision", "visual", "all"):
         raise ValueError(f"shapes: expected collision, visual or all, got '{shapes}'")
-    if path.suffix.lower() == ".urdf":
-        from ._urdf import read_urdf
+    try:
+        if path.suffix.lower() == ".urdf":
+            from ._urdf import read_urdf
 
-        robot, left_out = read_urdf(path, shapes, packages or {})
-    else:
-        from ._mjcf import read_mjcf
+            robot, left_out = read_urdf(path, shapes, packages or {})
+        else:
+            from ._mjcf import read_mjcf
 
-        robot, left_out = read_mjcf(path, shapes)
+            robot, left_out = read_mjcf(path, shapes)
+        _check_finite(robot)
+    except (ImportError, InputError):
+        raise
+    except Exception as error:  # each library has its own
+        raise InputError(f"cannot read '{path}': {error}") from error
     if not robot.shapes:
         warnings.warn(f"'{path}' holds no shapes of the kind '{shapes}'", stacklevel=2)
     if left_out:
         warnings.warn(f"'{path}': left out: {', '.join(left_out)}", stacklevel=2)
     return robot
+
+
+def _check_finite(robot: Robot) -> None:
+    for mesh in robot.meshes:
+        if not np.isfinite(mesh.vertices).all():
+            raise ValueError(f"mesh '{mesh.name}' has positions that are not finite")
+    for shape, place in zip(robot.shapes, robot.kinematics(robot.rest)):
+        if not np.isfinite(place).all():
+            raise ValueError(f"shape '{shape.name}' is at no finite place")

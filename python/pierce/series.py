@@ -10,6 +10,7 @@ series.recording(name="cloth").write("cloth")
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -74,8 +75,9 @@ def read_series(source: str | Path | Sequence[str | Path], weld: bool = False) -
     """Reads a series.
 
     source: a `.pvd` or `.series` file of ParaView, which lists files and times; a pattern such as
-        "cloth_*.vtu", sorted by the numbers in the names; a list of files; or a cache of points,
-        `.pc2` or `.mdd`, beside a mesh of the same name (OBJ, PLY, OFF, STL or GLB).
+        "cloth_*.vtu", sorted by the numbers in the names, then by name; a list of files; or a
+        cache of points, `.pc2` or `.mdd`, beside a mesh of the same name (OBJ, PLY, OFF, STL or
+        GLB).
     weld: vertices at the same position in the first frame become one, in all frames.
 
     Files may be of any kind that `files.read_parts()` reads as one part.
@@ -105,6 +107,11 @@ def _listed(path: Path) -> tuple[list[Path], list[float]]:
         else:
             listed = json.loads(path.read_text())["files"]
             entries = [(float(entry["time"]), entry["name"]) for entry in listed]
+        for _, name in entries:
+            if not isinstance(name, str):
+                raise ValueError(f"a file's name is no text: {name!r}")
+        if not all(math.isfinite(time) for time, _ in entries):
+            raise ValueError("a time is not finite")
     except (OSError, ValueError, KeyError, TypeError, ElementTree.ParseError) as error:
         raise InputError(f"cannot read '{path}': {error}") from error
     seconds = [time for time, _ in entries]
@@ -121,7 +128,12 @@ def _matching(pattern: Path) -> list[Path]:
     found = list(pattern.parent.glob(pattern.name))
     if not found:
         raise InputError(f"no file matches '{pattern}'")
-    return sorted(found, key=lambda path: [float(n) for n in _NUMBER.findall(path.stem)])
+    return sorted(found, key=_order)
+
+
+def _order(path: Path) -> tuple[list[float], str]:
+    """By the numbers of the name, and where these are alike by the name."""
+    return [float(number) for number in _NUMBER.findall(path.stem)], path.name
 
 
 def _of_files(paths: list[Path], seconds: list[float] | None) -> Series:
@@ -162,6 +174,8 @@ def _of_cache(path: Path) -> Series:
         seconds, points = (_read_pc2 if path.suffix.lower() == ".pc2" else _read_mdd)(path)
     except (OSError, ValueError, IndexError) as error:
         raise InputError(f"cannot read '{path}': {error}") from error
+    if not np.isfinite(seconds).all():
+        raise InputError(f"cannot read '{path}': a time is not finite")
     if points.shape[1] != len(part.vertices):
         raise InputError(
             f"'{path}' has {points.shape[1]} points, and '{meshes[0]}' has "
@@ -181,15 +195,22 @@ def _read_pc2(path: Path) -> tuple[NDArray[np.float64], NDArray[Any]]:
     if head["sign"] != b"POINTCACHE2":
         raise ValueError("it is no point cache")
     frames, count = int(head["frames"]), int(head["points"])
+    _check_counts(frames, count)
     points = np.frombuffer(data, "<f4", frames * count * 3, header.itemsize)
     times = float(head["start"]) + float(head["rate"]) * np.arange(frames)
     return np.asarray(times, np.float64), points.reshape(frames, count, 3)
+
+
+def _check_counts(frames: int, points: int) -> None:
+    if frames < 1 or points < 1:
+        raise ValueError(f"it says that it has {frames} frames of {points} points")
 
 
 def _read_mdd(path: Path) -> tuple[NDArray[np.float64], NDArray[Any]]:
     """Seconds, and points of a cache as LightWave and Blender write it."""
     data = path.read_bytes()
     frames, count = map(int, np.frombuffer(data, ">i4", 2))
+    _check_counts(frames, count)
     times = np.frombuffer(data, ">f4", frames, 8).astype(np.float64)
     points = np.frombuffer(data, ">f4", frames * count * 3, 8 + 4 * frames)
     return times, points.reshape(frames, count, 3)

@@ -7,20 +7,50 @@ has to be there for all machines.
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
+from contextlib import suppress
 from typing import Any
 
 from ._needs import need
+
+_PATIENCE = 10.0
+"""[s] How long a command may take to end when it is asked to."""
 
 
 def _command(*arguments: str) -> str:
     command = [os.environ.get("PIERCE_COMMAND", "pierce"), "sweep", *arguments]
     # What it says is the answer.
     environment = {name: value for name, value in os.environ.items() if name != "PIERCE_QUIET"}
-    done = subprocess.run(command, capture_output=True, text=True, env=environment)
-    if done.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
-    return done.stdout
+    # A group of its own, so that what ends the call ends the runs that the command has begun, too.
+    with subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        process_group=0,
+    ) as child:
+        try:
+            said, complaint = child.communicate()
+        except BaseException:
+            _end(child)
+            raise
+    if child.returncode != 0:
+        raise RuntimeError(f"{' '.join(command)}: {complaint.strip()}")
+    return said
+
+
+def _end(child: subprocess.Popen[str]) -> None:
+    """Ends a group of processes, by force if they take too long."""
+    with suppress(ProcessLookupError):
+        os.killpg(child.pid, signal.SIGTERM)
+    try:
+        with suppress(subprocess.TimeoutExpired):
+            child.wait(_PATIENCE)
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(child.pid, signal.SIGKILL)
 
 
 def missing(file: str | os.PathLike[str]) -> list[int]:
@@ -44,8 +74,25 @@ def run_with_ray(file: str | os.PathLike[str], **options: Any) -> str:
     """Runs what is missing as tasks of Ray, and gathers the table.
 
     options: of the tasks, such as num_cpus; ray.init() is the caller's.
+
+    If a run fails, the others are run all the same, and then RuntimeError is raised.
+    Ctrl-C ends all tasks and their processes.
     """
     ray = need("ray", "ray", "a sweep as tasks of Ray")
     task = ray.remote(**options)(run) if options else ray.remote(run)
-    ray.get([task.remote(os.path.abspath(file), number) for number in missing(file)])
+    tasks = {number: task.remote(os.path.abspath(file), number) for number in missing(file)}
+    failed: dict[int, Exception] = {}
+    try:
+        for number, each in tasks.items():
+            try:
+                ray.get(each)
+            except Exception as error:
+                failed[number] = error
+    except BaseException:
+        for each in tasks.values():
+            ray.cancel(each)
+        raise
+    if failed:
+        first = next(iter(failed.values()))
+        raise RuntimeError(f"runs {[*failed]} have failed, the first one: {first}") from first
     return gather(file)

@@ -87,10 +87,12 @@ class ContactTable:
             self._arrow = need("pyarrow", "pyarrow", "writing Parquet")
             need("pyarrow.parquet", "pyarrow", "writing Parquet")
         self._kind = kind
-        self._begun = False
+        self._begun = self._closed = False
 
     def add(self, frame: int, contacts: Contacts) -> None:
-        """Adds the contacts of a step."""
+        """Adds the contacts of a step. Raises ValueError after `close()`."""
+        if self._closed:
+            raise ValueError(f"'{self._path}' is closed: no contacts can be added")
         table = columns(frame, contacts)
         if self._kind == ".csv":
             if not self._begun:
@@ -106,6 +108,7 @@ class ContactTable:
 
     def close(self) -> None:
         """Ends the file. May be repeated."""
+        self._closed = True
         if self._kind == ".csv":
             self._file.close()
         elif self._parquet is not None:

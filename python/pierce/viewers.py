@@ -300,18 +300,23 @@ class Viser(Viewer):
         self._handles: dict[str, Any] = {}
 
     def _set_mesh(self, name: str, vertices: NDArray[Any], triangles: NDArray[Any]) -> None:
-        path = f"/bodies/{name}"
+        path = self._path(name)
         self._handles[path] = self.server.scene.add_mesh_simple(
             path, vertices, triangles, color=_BODY, opacity=0.6
         )
 
     def _set_place(self, name: str, rotation: Floats, translation: Floats) -> None:
-        body = self._handles[f"/bodies/{name}"]
+        body = self._handles[self._path(name)]
         body.wxyz = self._viser.transforms.SO3.from_matrix(rotation).wxyz
         body.position = translation
 
     def _remove_body(self, name: str) -> None:
-        self._handles.pop(f"/bodies/{name}").remove()
+        self._handles.pop(self._path(name)).remove()
+
+    @staticmethod
+    def _path(name: str) -> str:
+        # A slash would make the body a part of another one, which moves with it.
+        return "/bodies/" + name.replace("/", "\N{DIVISION SLASH}")
 
     def _set_contacts(
         self,

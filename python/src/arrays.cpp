@@ -83,8 +83,11 @@ Array cuda_array_of(nb::handle given, const char* what) {
     if (about.contains("strides") && !about["strides"].is_none()) {
         const auto given_strides = nb::cast<nb::tuple>(about["strides"]);
         if (nb::len(given_strides) != shape.size()) throw wrong("strides");
-        for (std::size_t k = 0; k < shape.size(); ++k)
-            strides[k] = nb::cast<std::int64_t>(given_strides[k]) / bytes;
+        for (std::size_t k = 0; k < shape.size(); ++k) {
+            const auto in_bytes = nb::cast<std::int64_t>(given_strides[k]);
+            if (in_bytes % bytes != 0) throw wrong("strides");
+            strides[k] = in_bytes / bytes;
+        }
     }
     // NOLINTNEXTLINE(performance-no-int-to-ptr): the protocol has addresses as numbers
     const auto* place = reinterpret_cast<const void*>(nb::cast<std::uintptr_t>(data[0]));

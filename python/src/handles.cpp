@@ -36,7 +36,15 @@ void bind_handle(nb::module_& module, const char* name, const char* doc) {
             nb::arg("other"), nb::sig("def __eq__(self, other: object, /) -> bool"))
         .def(
             "__lt__", [](const Handle& a, const Handle& b) { return a < b; }, nb::arg("other"))
+        .def("__copy__", [](const Handle& id) { return id; })
+        .def(
+            "__deepcopy__", [](const Handle& id, nb::handle) { return id; }, nb::arg("memo"))
+        .def("__reduce__",
+             [number](nb::handle_t<Handle> self) {
+                 return nb::make_tuple(self.type(), nb::make_tuple(number(nb::cast<Handle>(self))));
+             })
         .def("__repr__", [name](const Handle& id) {
+            if (!id) return std::string(name) + "()";
             return std::string(name) + "(" + std::to_string(id.index) +
                    (id.generation > 1 ? ", generation " + std::to_string(id.generation) : "") + ")";
         });

@@ -205,14 +205,7 @@ void bind_meshes(nb::module_& module) {
             nb::sig("def triangles(self) -> numpy.typing.NDArray[numpy.uint32]"),
             "The triangles that contacts name, uint32 (m, 3), without a copy.")
         .def(
-            "given_triangle",
-            [](const Mesh& mesh, std::uint32_t triangle) {
-                if (triangle >= mesh.triangles().size())
-                    throw InputError("mesh '" + mesh.name() + "' has no triangle " +
-                                     std::to_string(triangle));
-                return mesh.given_triangle(triangle);
-            },
-            nb::arg("triangle"),
+            "given_triangle", &Mesh::given_triangle, nb::arg("triangle"),
             "The place of a triangle among those that were given; no_triangle if it closes a hole.")
         .def(
             "data", [](const Mesh& mesh) { return arrays_of(mesh.data()); },

@@ -20,7 +20,7 @@ using nlohmann::json;
 
 /// A page and the world that it shows.
 struct PyPage {
-    std::shared_ptr<PyWorld> world;
+    nb::object world;
     std::unique_ptr<page::ScenePage> page;
 };
 
@@ -39,52 +39,61 @@ json json_of(nb::handle value) {
     } catch (nb::python_error& error) {
         if (!error.matches(PyExc_ValueError)) throw;
         throw InputError("a value of a page is not finite, or holds itself");
+    } catch (const json::exception&) {
+        // Python has numbers without an end, and texts that are no Unicode.
+        throw InputError("a value of a page is a number beyond float64, or no Unicode text");
     }
 }
 
-void make_page(PyPage* self, std::shared_ptr<PyWorld> world, std::string title, nb::dict names,
+void make_page(PyPage* self, nb::handle_t<PyWorld> world, std::string title, nb::dict names,
                double dt, bool reasons) {
     std::vector<std::string> by_index;
+    const Use asked(nb::cast<PyWorld&>(world));
     for (const auto& [body, name] : names) {
         BodyId id;
         std::string text;
         if (!nb::try_cast(body, id) || !nb::try_cast(name, text))
             throw nb::type_error("names: a dict of bodies and strings");
-        by_index.resize(std::max<std::size_t>(by_index.size(), id.index + 1));
+        asked->mesh_of(id);  // throws for what is no body of the world
+        by_index.resize(std::max<std::size_t>(by_index.size(), std::size_t{id.index} + 1));
         by_index[id.index] = std::move(text);
     }
-    new (self) PyPage{std::move(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
-                                            .title = std::move(title),
-                                            .body_names = std::move(by_index),
-                                            .dt = dt,
-                                            .reasons = reasons})};
+    new (self) PyPage{nb::borrow(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
+                                             .title = std::move(title),
+                                             .body_names = std::move(by_index),
+                                             .dt = dt,
+                                             .reasons = reasons})};
 }
 
 void add(PyPage& self, const nb::kwargs& figures) {
     const json own = json_of(figures);
-    const Use world(*self.world);
+    PyWorld& shown = world_in(self.world);
+    const Use world(shown);
     json all = page::step_figures(world->stats());
     all.update(own);
-    const WithoutGil without_gil;
-    self.page->add(*world, all);
+    {
+        const WithoutGil without_gil;
+        self.page->add(*world, all);
+    }
+    shown.rethrow();
 }
 
 void write(const PyPage& self, const std::filesystem::path& file, const nb::kwargs& made_with) {
     json about{{"versions", {{"pierce", PIERCE_VERSION}}}};
     about.update(json_of(made_with));
     // Nobody adds a frame meanwhile.
-    const Use world(*self.world);
+    const Use world(world_in(self.world));
+    const WithoutGil without_gil;
     about["backend"] = {{"name", world->backend()}};
     about["plan"] = page::plan_figures(world->plan());
     about["notes"] = world->plan().notes;
-    const WithoutGil without_gil;
     self.page->write(file, about);
 }
 
 }  // namespace
 
 void bind_pages(nb::module_& module) {
-    nb::class_<PyPage>(module, "Page",
+    nb::class_<PyPage>(module, "Page", nb::type_slots(HoldsWorld<PyPage>::slots),
                        "One HTML file that plays what a world did: bodies, contacts, charts, and "
                        "why vertices have no contact.")
         .def("__init__", make_page, nb::arg("world"), nb::arg("title") = "",

@@ -46,7 +46,9 @@ std::vector<std::optional<ProbeContact>> probe(PyWorld& self, nb::handle points,
     const Rows places = rows_of(array_of(at, "points"), 3, "points", true),
                ways = rows_of(array_of(out, "normals"), 3, "normals", true);
     const std::vector<BodyId> bodies = others.is_none() ? std::vector<BodyId>() : bodies_of(others);
+    const bool asks_nobody = !others.is_none() && bodies.empty();
     return asked(self, [&](World& world) {
+        if (asks_nobody) return std::vector<std::optional<ProbeContact>>(places.count);
         return world.probe({static_cast<const Vec3d*>(places.data), places.count},
                            {static_cast<const Vec3d*>(ways.data), ways.count}, radius, bodies);
     });
@@ -121,7 +123,9 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
              "The first body along each line of sight, as RayHit or None.")
         .def("probe", probe, nb::arg("points"), nb::arg("normals"), nb::arg("radius"),
              nb::arg("others") = nb::none(),
-             "What touches the points of a sensor, as ProbeContact or None.");
+             "What touches the points of a sensor, as ProbeContact or None. `others`: the bodies "
+             "that "
+             "are looked at; None: all.");
 }
 
 }  // namespace pierce::python

@@ -31,18 +31,21 @@ using scenes::Recording;
 struct Replay {
     std::shared_ptr<Recording> recording;
     std::shared_ptr<scenes::Detector> detector;
-    std::shared_ptr<PyWorld> world;
+    nb::object world;  ///< of a PyWorld; the same one always, since it keeps its filter
 };
 
 void make_replay(Replay* self, std::shared_ptr<Recording> recording, const std::string& backend,
                  int threads, nb::handle settings, const nb::kwargs& fields) {
     std::unique_ptr<Backend> made = backend_named(backend, threads);
     const bool on_device = made->runs_on_device();
-    std::shared_ptr<scenes::Detector> detector = scenes::make_detector(
-        scenes::scene_of(*recording), std::move(made), settings_from(settings, fields));
+    const Settings all = settings_from(settings, fields);
+    std::shared_ptr<scenes::Detector> detector = [&] {
+        const WithoutGil without_gil;
+        return scenes::make_detector(scenes::scene_of(*recording), std::move(made), all);
+    }();
     const std::shared_ptr<World> world(detector, detector->world());
     new (self) Replay{std::move(recording), std::move(detector),
-                      std::make_shared<PyWorld>(world, on_device)};
+                      nb::cast(std::make_shared<PyWorld>(world, on_device))};
 }
 
 nb::object step(Replay& replay, std::uint32_t frame) {
@@ -51,11 +54,11 @@ nb::object step(Replay& replay, std::uint32_t frame) {
                                std::to_string(replay.recording->frame_count))
                                   .c_str());
     {
-        const Use world(*replay.world);
+        const Use world(world_in(replay.world));
+        const WithoutGil without_gil;
         scenes::put_frame(*replay.detector, *replay.recording, frame);
     }
-    const nb::object world = nb::cast(replay.world);
-    return detect(nb::handle_t<PyWorld>(world));
+    return detect(nb::handle_t<PyWorld>(replay.world));
 }
 
 const RecordedBody& body_of(const Recording& recording, std::uint32_t body) {
@@ -106,6 +109,7 @@ void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies
         if (nb::isinstance<Mesh>(mesh[1]))
             kept.inside = rule_that_made(nb::cast<const Mesh&>(mesh[1]).inside());
     }
+    if (nb::len(bodies) == 0) throw InputError("a recording has no bodies");
     const nb::object numpy = nb::module_::import_("numpy");
     for (nb::handle given : bodies) {
         RecordedBody body;
@@ -238,13 +242,16 @@ void bind_recording(nb::module_& module) {
             return "<Recording of " + std::to_string(r.bodies.size()) + " bodies, " +
                    std::to_string(r.frame_count) + " frames of " + std::to_string(r.dt) + " s>";
         });
-    nb::class_<Replay>(module, "Replay", "A world whose bodies go where a recording has them.")
+    nb::class_<Replay>(module, "Replay", nb::type_slots(HoldsWorld<Replay>::slots),
+                       "A world whose bodies go where a recording has them.")
         .def("__init__", make_replay, nb::arg("recording"), nb::arg("backend") = "auto",
              nb::arg("threads") = 0, nb::arg("settings") = nb::none(), nb::arg("fields"),
              nb::sig("def __init__(self, recording: Recording, backend: str = 'auto', threads: int "
                      "= 0, settings: Settings | None = None, **fields: object) -> None"),
              "Arguments are those of World.")
-        .def_ro("world", &Replay::world, "Its bodies are in the order of the recording.")
+        .def_prop_ro(
+            "world", [](const Replay& r) { return r.world; }, nb::sig("def world(self) -> World"),
+            "Its bodies are in the order of the recording.")
         .def("step", step, nb::arg("frame"), nb::sig("def step(self, frame: int) -> Contacts"),
              "Puts all bodies there; returns the contacts.")
         .def("__len__", [](const Replay& r) { return r.recording->frame_count; });

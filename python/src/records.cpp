@@ -50,7 +50,14 @@ void set_fields(nb::handle record, const nb::kwargs& values) {
             throw nb::type_error((name_of(record) + " has no field '" +
                                   nb::cast<std::string>(name) + "'; it has " + text(fields))
                                      .c_str());
-        nb::setattr(record, name, value);
+        try {
+            nb::setattr(record, name, value);
+        } catch (nb::python_error& error) {
+            if (!error.matches(PyExc_TypeError)) throw;
+            throw nb::type_error(
+                (name_of(record) + "." + nb::cast<std::string>(name) + " cannot be " + text(value))
+                    .c_str());
+        }
     }
 }
 

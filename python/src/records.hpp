@@ -48,6 +48,11 @@ public:
     Record(nb::module_& module, const char* name, const char* doc) : class_(module, name, doc) {
         class_.def("__repr__", [](nb::handle_t<T> self) { return text_of(self); });
         class_.def("_repr_html_", [](nb::handle_t<T> self) { return html_of(self); });
+        if constexpr (std::copy_constructible<T>) {
+            class_.def("__copy__", [](const T& self) { return T(self); });
+            class_.def(
+                "__deepcopy__", [](const T& self, nb::handle) { return T(self); }, nb::arg("memo"));
+        }
     }
     ~Record() { class_.attr("fields") = nb::tuple(fields_); }
     Record(const Record&) = delete;
@@ -93,6 +98,20 @@ public:
             },
             nb::arg("fields"), nb::sig("def __init__(self, **fields: object) -> None"),
             "All fields by name; those that are left out have their defaults.");
+        class_.def("__getstate__", [](nb::handle_t<T> self) {
+            nb::dict state;
+            for (nb::handle field : nb::borrow(self.type().attr("fields")))
+                state[field] = nb::getattr(self, field);
+            return state;
+        });
+        class_.def(
+            "__setstate__",
+            [](T& self, const nb::dict& state) {
+                const nb::object made = nb::cast(T());
+                set_fields(made, nb::borrow<nb::kwargs>(state));
+                new (&self) T(nb::cast<const T&>(made));
+            },
+            nb::arg("state"));
         if constexpr (std::equality_comparable<T>) {
             class_.def(
                 "__eq__", [](const T& a, const T& b) { return a == b; }, nb::is_operator(),

@@ -65,6 +65,8 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
 }
 
 void set_pair_filter(PyWorld& self, nb::object filter) {
+    if (!filter.is_none() && PyCallable_Check(filter.ptr()) == 0)
+        throw nb::type_error("set_pair_filter: expected a function of two bodies, or None");
     const Use world(self);
     if (filter.is_none())
         world->set_pair_filter({});
@@ -93,6 +95,13 @@ int clear_world(PyObject* self) {
 PyType_Slot world_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_world)},
                              {Py_tp_clear, reinterpret_cast<void*>(clear_world)},
                              {0, nullptr}};
+
+/// Making it may measure meshes, which tells Python how far it is.
+Plan plan_now(PyWorld& w) {
+    const Use world(w);
+    const WithoutGil without_gil;
+    return world->plan();
+}
 
 nb::object contacts_now(nb::handle_t<PyWorld> self) {
     PyWorld& w = nb::cast<PyWorld&>(self);
@@ -252,9 +261,8 @@ void bind_steps(nb::class_<PyWorld>& c) {
             "of several devices, those that one has found.")
         .def_prop_ro(
             "stats", [](PyWorld& w) { return Use(w)->stats(); }, "Of the last step, a copy.")
-        .def_prop_ro(
-            "plan", [](PyWorld& w) { return Use(w)->plan(); },
-            "Which stages steps run, and which rules do not apply, a copy.")
+        .def_prop_ro("plan", plan_now,
+                     "Which stages steps run, and which rules do not apply, a copy.")
         .def_prop_ro(
             "backend", [](PyWorld& w) { return Use(w)->backend(); }, "For people.")
         .def_prop_ro(
@@ -322,6 +330,7 @@ void bind_world(nb::module_& module) {
           "beside cuda.")
         .def("__repr__", [](PyWorld& w) {
             const Use world(w);
+            const WithoutGil without_gil;
             const Plan& plan = world->plan();
             return "<World on " + world->backend() + ": " + std::to_string(plan.fixed_bodies) +
                    " fixed, " + std::to_string(plan.rigid_bodies) + " rigid, " +

@@ -53,6 +53,30 @@ private:
     World* world_;
 };
 
+/// The slots of a class T with a member `world`, the object of a PyWorld: the garbage collector has
+/// to see it, because the world's filter may hold what holds the T.
+template <class T>
+struct HoldsWorld {
+    static int visit(PyObject* self, visitproc visit, void* arg) {
+        Py_VISIT(Py_TYPE(self));
+        if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<T>(self)->world.ptr());
+        return 0;
+    }
+    static int clear(PyObject* self) {
+        nb::inst_ptr<T>(self)->world.reset();
+        return 0;
+    }
+    static inline PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit)},
+                                         {Py_tp_clear, reinterpret_cast<void*>(clear)},
+                                         {0, nullptr}};
+};
+
+/// The world of such an object. Throws RuntimeError if the garbage collector has taken it.
+inline PyWorld& world_in(const nb::object& world) {
+    if (!world.is_valid()) throw std::runtime_error("the World is gone");
+    return nb::cast<PyWorld&>(world);
+}
+
 /// Runs a step without the interpreter's lock, and returns its contacts.
 nb::object detect(nb::handle_t<PyWorld> self);
 

@@ -154,15 +154,17 @@ def test_arrays_of_other_packages(two_tori):
         assert world.detect().hash == expected, name
 
 
-@pytest.mark.parametrize("field", ["data", "strides"])
-def test_a_cuda_array_that_is_described_wrongly_is_refused(field):
+@pytest.mark.parametrize(
+    "field, value", [("data", ()), ("strides", ()), ("strides", (13, 4)), ("strides", (12, 3))]
+)
+def test_a_cuda_array_that_is_described_wrongly_is_refused(field, value):
     class Described:
         __cuda_array_interface__ = {  # noqa: RUF012
             "typestr": "<f4",
             "shape": (4, 3),
             "data": (4096, False),
             "version": 3,
-            field: (),
+            field: value,
         }
 
     world = pierce.World("reference")

@@ -1,5 +1,6 @@
 """pierce.files: triangles are those of the file, in its order, by parsers written here."""
 
+import base64
 import json
 import struct
 import sys
@@ -263,6 +264,37 @@ def test_what_trimesh_misreads(tmp_path):
         (tmp_path / f"{name}.gltf").write_text(json.dumps(document))
         with pytest.raises(pierce.InputError, match=f"{name}.*misreads"):
             files.read_parts(tmp_path / f"{name}.gltf")
+
+
+@pytest.mark.parametrize("kind", ["gltf", "glb"])
+def test_gltf_that_requires_what_is_unknown(kind, tmp_path):
+    pytest.importorskip("trimesh", reason="trimesh is not installed")
+    path = tmp_path / f"scene.{kind}"
+    write_glb(tmp_path / "scene.glb", [box()], [(0, np.eye(4), [])])
+    whole = (tmp_path / "scene.glb").read_bytes()
+    length = struct.unpack("<I", whole[12:16])[0]
+    document, rest = json.loads(whole[20 : 20 + length]), whole[20 + length :]
+
+    def require(*names):
+        described = document | {"extensionsUsed": names, "extensionsRequired": names}
+        if kind == "gltf":
+            data = base64.b64encode(rest[8:]).decode()
+            described["buffers"] = [
+                document["buffers"][0] | {"uri": f"data:application/octet-stream;base64,{data}"}
+            ]
+            path.write_text(json.dumps(described))
+            return
+        text = json.dumps(described).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I4s", len(text), b"JSON") + text + rest
+        path.write_bytes(b"glTF" + struct.pack("<II", 2, 12 + len(chunks)) + chunks)
+
+    require("KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual")
+    assert len(files.read_parts(path)[0].triangles) == 12
+    for name in ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "ACME_anything"):
+        require("KHR_materials_unlit", name)
+        with pytest.raises(pierce.InputError, match=f"scene.{kind}': it requires {name}, which"):
+            files.read_parts(path)
 
 
 def test_what_cannot_be_read(tmp_path, monkeypatch):

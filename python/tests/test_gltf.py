@@ -161,6 +161,22 @@ def test_what_is_refused(tmp_path, monkeypatch):
     recording, _ = made()
     with pytest.raises(ValueError, match="expected y or z"):
         gltf.write_animation(tmp_path / "run.glb", recording, up="x")
+    with pytest.raises(pierce.InputError, match=r"ends in \.glb"):
+        gltf.write_animation(tmp_path / "run.gltf", recording)
+    (tmp_path / "folder.glb").mkdir()
+    with pytest.raises(pierce.InputError, match="is a folder"):
+        gltf.write_animation(tmp_path / "folder.glb", recording)
+    kept = list(gltf.replay(recording, **OPTIONS))[:3]
+    for contacts in (kept, iter(kept), []):
+        with pytest.raises(pierce.InputError, match=r"of [03] frames only"):
+            gltf.write_animation(tmp_path / "run.glb", recording, contacts)
+    with pytest.raises(pierce.InputError, match="has no bodies"):
+        gltf.write_animation(tmp_path / "run.glb", pierce.Recording(0.1, [], []))
+    away = np.full((2, *torus()[0].shape), np.nan, np.float32)
+    nowhere = pierce.Recording(0.1, [("torus", torus())], [("soft", 0, "deforming", away)])
+    with pytest.raises(pierce.InputError, match="no body with a place"):
+        gltf.write_animation(tmp_path / "run.glb", nowhere)
+    assert not (tmp_path / "run.glb").exists()
     changed = torn(tmp_path / "torn")
     with pytest.raises(pierce.InputError, match="'cloth' has another mesh from frame 1 on"):
         gltf.write_animation(tmp_path / "run.glb", changed)

@@ -1,9 +1,11 @@
 """Pages in a browser: they show what the command writes, play, explain, and ask for no network."""
 
+import gc
 import json
 import os
 import subprocess
 import threading
+import weakref
 
 import numpy as np
 import pierce
@@ -347,3 +349,45 @@ def test_what_a_page_cannot_hold():
         page.add(thing=object())
     with pytest.raises(TypeError, match="bodies and strings"):
         pierce.Page(world, names={"box": "box"})
+    for nobody in (pierce.BodyId(), pierce.BodyId(7), pierce.BodyId(0xFFFFFFFF)):
+        with pytest.raises(pierce.InputError):
+            pierce.Page(world, names={nobody: "nobody"})
+    for value in (10**400, "\ud800", [{"deep": -(10**309)}]):
+        with pytest.raises(pierce.InputError, match="beyond float64, or no Unicode"):
+            page.add(thing=value)
+
+
+def test_what_a_filter_raises_comes_out_of_the_call_that_asks_it(two_tori):
+    world, *_ = two_tori
+
+    asks = []
+
+    def fails_from_the_second_step(a, b):
+        if asks:
+            raise KeyError("mine")
+        return True
+
+    world.set_pair_filter(fails_from_the_second_step)
+    world.detect()
+    page = pierce.Page(world)
+    page.add()
+    asks.append(1)
+    with pytest.raises(KeyError, match="mine"):
+        page.add()
+    asks.clear()
+    page.add()
+
+
+def test_a_filter_that_holds_a_page_is_collected():
+    class Holder:
+        def __init__(self):
+            world = pierce.World("reference")
+            self.page = pierce.Page(world)
+            world.set_pair_filter(self.wants)
+
+        def wants(self, a, b):
+            return True
+
+    gone = weakref.ref(Holder())
+    gc.collect()
+    assert gone() is None

@@ -112,6 +112,27 @@ def test_a_series_comes_back(tmp_path):
     np.testing.assert_array_equal(again.mesh(0)[1], triangles)
 
 
+def test_what_is_refused_before_anything_is_written(tmp_path):
+    (tmp_path / "run.pvd").mkdir()
+    for name, what in (("run.pvd", "is a folder"), ("run", r"ends in \.pvd")):
+        with pytest.raises(pierce.InputError, match=what):
+            paraview.write_series(tmp_path / name, made()[0])
+    with pytest.raises(pierce.InputError, match="has no bodies"):
+        paraview.write_series(tmp_path / "none.pvd", pierce.Recording(0.1, [], []))
+    assert [path.name for path in tmp_path.rglob("*")] == ["run.pvd"]
+
+
+def test_contacts_of_too_few_frames(tmp_path):
+    recording, _ = made(frames=4)
+    kept = list(paraview.replay(recording, **OPTIONS))[:3]
+    for contacts in (kept, iter(kept)):
+        with pytest.raises(pierce.InputError, match="of 3 frames only, and the recording has 4"):
+            paraview.write_series(tmp_path / "run.pvd", recording, contacts)
+    with pytest.raises(pierce.InputError, match="of 3 frames only"):
+        paraview.write_series(tmp_path / "other.pvd", recording, kept)
+    assert not list(tmp_path.glob("other*/*.vtu"))
+
+
 def test_missing_packages_are_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "meshio", None)
     with pytest.raises(ImportError, match="pip install meshio"):

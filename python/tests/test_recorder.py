@@ -1,6 +1,7 @@
 """Recorders, and the bar of loops."""
 
 import io
+import warnings
 
 import numpy as np
 import pierce
@@ -66,9 +67,37 @@ def test_a_body_with_another_mesh_is_refused(two_tori):
         recorder.add()
 
 
+def test_what_a_recording_does_not_know_is_said(two_tori):
+    world, rigid, soft, _ = two_tori
+    recorder = pierce.Recorder(world)
+    recorder.add()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        recorder.recording()
+    world.set_filter(rigid, pierce.Filter(world=3))
+    with pytest.warns(UserWarning, match="no filters, which 1 bodies have: a replay"):
+        recorder.recording()
+    world.set_filter(rigid, pierce.Filter())
+    world.exclude(rigid, soft)
+    with pytest.warns(UserWarning, match="no excluded pairs, of which there are 1: a replay"):
+        recorder.recording()
+    world.include(rigid, soft)
+    world.add_rigid_body(world.mesh_of(rigid))
+    with pytest.warns(UserWarning, match="no bodies that were added later, of which there are 1:"):
+        assert len(recorder.recording().body_names) == 2
+    world.set_filter(soft, pierce.Filter(chain=1))
+    with pytest.warns(UserWarning, match="no filters, .*, and no bodies"):
+        recorder.recording()
+
+
 class Terminal(io.StringIO):
     def isatty(self):
         return True
+
+
+def stops():
+    yield from range(3)
+    raise OSError("no more")
 
 
 def test_track_shows_a_bar_on_terminals_only(monkeypatch):
@@ -81,5 +110,12 @@ def test_track_shows_a_bar_on_terminals_only(monkeypatch):
     assert terminal.getvalue().endswith("\r\033[K")
     assert list(pierce.track((k for k in range(3)), out=terminal)) == [0, 1, 2]
     assert list(pierce.track(range(4), out=file)) == [0, 1, 2, 3] and file.getvalue() == ""
+    for _ in pierce.track(range(4), out=(left := Terminal())):
+        if left.getvalue():
+            break
+    assert left.getvalue().endswith("\r\033[K")
+    with pytest.raises(OSError, match="no more"):
+        list(pierce.track(stops(), out=(failed := Terminal())))
+    assert "[" in failed.getvalue() and failed.getvalue().endswith("\r\033[K")
     monkeypatch.setattr("sys.stderr", None)
     assert list(pierce.track(range(4))) == [0, 1, 2, 3]

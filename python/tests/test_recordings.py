@@ -1,8 +1,10 @@
 """Recordings: written, read, replayed with the hashes of the C++ command, and validated."""
 
+import gc
 import json
 import os
 import subprocess
+import weakref
 
 import numpy as np
 import pierce
@@ -46,6 +48,32 @@ def test_replays_agree(pile):
         assert one.step(frame).hash == other.step(frame).hash
     with pytest.raises(IndexError, match="frame 1000"):
         one.step(1000)
+
+
+def test_a_replay_keeps_the_filter_of_its_world(pile):
+    replay = pierce.Replay(pile, "embree", 1)
+    last = len(replay) - 1
+    assert len(replay.step(last)) > 0
+    assert replay.world is replay.world
+    replay.world.set_pair_filter(lambda a, b: False)
+    gc.collect()
+    assert len(replay.step(last)) == 0
+    replay.world.set_pair_filter(None)
+    assert len(replay.step(last)) > 0
+
+
+def test_a_filter_that_holds_a_replay_is_collected(pile):
+    class Holder:
+        def __init__(self):
+            self.replay = pierce.Replay(pile, "reference")
+            self.replay.world.set_pair_filter(self.wants)
+
+        def wants(self, a, b):
+            return True
+
+    gone = weakref.ref(Holder())
+    gc.collect()
+    assert gone() is None
 
 
 def test_validate(pile):
@@ -92,6 +120,8 @@ def test_a_recording_of_nothing_is_refused():
     motion = np.zeros((2, 0, 3), np.float32)
     with pytest.raises(pierce.InputError, match="mesh 'm' has no triangles"):
         pierce.Recording(0.1, [("m", nothing)], [("b", 0, "deforming", motion)])
+    with pytest.raises(pierce.InputError, match="no bodies"):
+        pierce.Recording(0.1, [], [])
 
 
 def test_scenes():

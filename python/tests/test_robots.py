@@ -3,6 +3,8 @@
 import sys
 from importlib.util import find_spec
 from pathlib import Path
+from threading import Thread
+from xml.etree import ElementTree
 
 import numpy as np
 import pierce
@@ -275,7 +277,6 @@ def write_urdf(folder, prefix=""):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_urdf_is_where_mujoco_has_it(seed, tmp_path):
-    pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
     path = write_urdf(tmp_path)
     robot = robots.read_robot(path)
     assert [shape.link for shape in robot.shapes] == [
@@ -306,7 +307,6 @@ def robot_in_order(robot, values):
 
 
 def test_urdf_triangles_and_pairs(tmp_path):
-    pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
     path = write_urdf(tmp_path, "package://arm/")
     robot = robots.read_robot(path, packages={"arm": tmp_path})
     ring = robot.meshes[robot.shapes[1].mesh]
@@ -324,7 +324,6 @@ def test_urdf_triangles_and_pairs(tmp_path):
 
 
 def test_bodies_follow_joints(tmp_path):
-    pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
     robot = robots.read_robot(write_urdf(tmp_path))
     world = pierce.World("embree", 1)
     bodies = robot.add_to(world, inside="closed")
@@ -346,7 +345,6 @@ def test_bodies_follow_joints(tmp_path):
 
 
 def test_degenerate_triangles_stay(tmp_path):
-    pytest.importorskip("yourdfpy", reason="yourdfpy is not installed")
     path = write_urdf(tmp_path)
     vertices, triangles = soup(np.random.default_rng(1))
     write_stl(tmp_path / "ring.stl", vertices, triangles)
@@ -367,9 +365,94 @@ def test_what_cannot_be_read(tmp_path):
         robots.read_robot(tmp_path / "bad.xml", shapes="some")
 
 
-@pytest.mark.parametrize("name,package", [("a.xml", "mujoco"), ("a.urdf", "yourdfpy")])
-def test_missing_packages_are_named(name, package, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, package, None)
-    (tmp_path / name).write_text("")
-    with pytest.raises(ImportError, match=f"pip install {package}"):
-        robots.read_robot(tmp_path / name)
+def test_joints_without_names_are_all_there(tmp_path):
+    path = tmp_path / "robot.xml"
+    joints = '<joint axis="1 0 0"/><joint axis="0 1 0" name="joint 0"/>'
+    joints += '<joint type="slide"/><joint axis="0 0 1" name="joint 2"/>'
+    path.write_text(
+        f'<mujoco><worldbody><body>{joints}<geom size=".1"/></body></worldbody></mujoco>'
+    )
+    robot = robots.read_robot(path)
+    assert list(robot.joints) == ["joint 0'", "joint 0", "joint 2'", "joint 2"]
+    assert [robot.joints[name].start for name in robot.joints] == [0, 1, 2, 3]
+
+
+def test_a_joint_of_several_values_takes_so_many(tmp_path):
+    path = tmp_path / "robot.xml"
+    path.write_text(
+        '<mujoco><worldbody><body><joint name="ball" type="ball"/><geom size=".1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    robot = robots.read_robot(path)
+    robot.poses({"ball": [0, 0, 0, 1]})
+    with pytest.raises(ValueError, match=r"joint 'ball' has 4 values, got shape \(\)"):
+        robot.poses({"ball": 1})
+    with pytest.raises(pierce.InputError, match=r"\['ball'\] are not finite"):
+        robot.poses({"ball": [0, 0, np.nan, 1]})
+
+
+def test_threads_share_a_robot(tmp_path):
+    with pytest.warns(UserWarning, match="left out"):
+        check_threads(robots.read_robot(write_mjcf(tmp_path, 0)))
+
+
+def check_threads(robot):
+    """Threads that ask one robot for its poses get those of their own values."""
+    values = np.random.default_rng(0).normal(size=(4, len(robot.rest)))
+    expected = [robot.poses(each) for each in values]
+    wrong = []
+
+    def work(k):
+        for _ in range(300):
+            if not np.array_equal(robot.poses(values[k]), expected[k]):
+                wrong.append(k)
+
+    threads = [Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+@pytest.mark.filterwarnings("ignore:.*left out")
+def test_malformed_mjcf_is_an_input_error(tmp_path):
+    path = write_mjcf(tmp_path, 0)
+    text = path.read_text()
+    for end in range(0, len(text), len(text) // 20):
+        path.write_text(text[:end])
+        with pytest.raises(pierce.InputError, match=r"cannot read '.*robot\.xml'"):
+            robots.read_robot(path)
+    refused = 0
+    for place, element in enumerate(ElementTree.fromstring(text).iter()):
+        for name in element.attrib:
+            for value in ("", "x", "0 0 0"):
+                root = ElementTree.fromstring(text)
+                list(root.iter())[place].set(name, value)
+                path.write_bytes(ElementTree.tostring(root))
+                try:
+                    robots.read_robot(path, "all")
+                except pierce.InputError:
+                    refused += 1
+    assert refused > 100
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_mjcf_with_numbers_that_are_not_finite(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # MuJoCo writes a log there
+    path = write_mjcf(tmp_path, 0)
+    text = path.read_text()
+    for old, new, what in (
+        ('scale="1 2 .1"', 'scale="nan 2 .1"', "mesh 'wide' has positions that are not finite"),
+        ('<body pos="', '<body pos="nan 0 0" name="', "is at no finite place"),
+    ):
+        path.write_text(text.replace(old, new, 1))
+        with pytest.raises(pierce.InputError, match=rf"robot\.xml'.*{what}"):
+            robots.read_robot(path)
+
+
+def test_missing_packages_are_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    (tmp_path / "a.xml").write_text("")
+    with pytest.raises(ImportError, match="pip install mujoco"):
+        robots.read_robot(tmp_path / "a.xml")

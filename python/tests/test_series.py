@@ -1,6 +1,7 @@
 """pierce.series: positions are those of the files, frame by frame."""
 
 import json
+import math
 
 import numpy as np
 import pierce
@@ -63,6 +64,18 @@ def test_decimal_numbers_are_sorted_as_such(tmp_path):
     assert np.diff(lowest).tolist() == pytest.approx([1, 1, 1, 1])
 
 
+def test_names_of_alike_numbers_are_sorted(tmp_path, monkeypatch):
+    vertices, triangles = torus()
+    names = ["calm", "wave", "storm_1", "breeze_1", "air_2", "zephyr"]
+    for name in names:
+        write_text(tmp_path / f"{name}.obj", vertices, triangles)
+    expected = ["calm", "wave", "zephyr", "breeze_1", "storm_1", "air_2"]
+    for order in (names, names[::-1]):
+        found = [tmp_path / f"{name}.obj" for name in order]
+        monkeypatch.setattr(type(tmp_path), "glob", lambda _, __, found=found: iter(found))
+        assert [path.stem for path in series._matching(tmp_path / "*.obj")] == expected
+
+
 @pytest.mark.parametrize("kind", ["pvd", "vtu.series"])
 def test_lists_of_paraview(kind, tmp_path):
     meshio = pytest.importorskip("meshio", reason="meshio is not installed")
@@ -118,6 +131,23 @@ def test_caches_of_points(kind, tmp_path):
         series.read_series(tmp_path / f"cloth.{kind}")
 
 
+@pytest.mark.parametrize("kind", ["pc2", "mdd"])
+@pytest.mark.parametrize("frames,count", [(-1, 8), (0, 8), (2, 0), (2, -1), (-1, -1)])
+def test_caches_of_no_frames_or_points(kind, frames, count, tmp_path):
+    write_text(tmp_path / "box.obj", *box())
+    points = np.zeros((2, 8, 3))
+    if kind == "pc2":
+        data = b"POINTCACHE2\0" + np.array([1, count], "<i4").tobytes()
+        data += np.array([0, 1], "<f4").tobytes() + np.array([frames], "<i4").tobytes()
+        data += points.astype("<f4").tobytes()
+    else:
+        data = np.array([frames, count], ">i4").tobytes() + np.zeros(2, ">f4").tobytes()
+        data += points.astype(">f4").tobytes()
+    (tmp_path / f"box.{kind}").write_bytes(data)
+    with pytest.raises(pierce.InputError, match=f"box.{kind}'.* {frames} frames of {count} points"):
+        series.read_series(tmp_path / f"box.{kind}")
+
+
 def test_volumes_move_by_their_surface(tmp_path):
     meshio = pytest.importorskip("meshio", reason="meshio is not installed")
     points, cells = grid(3)
@@ -162,6 +192,15 @@ def test_what_is_refused(tmp_path):
     (tmp_path / "bad.pvd").write_text("nothing")
     with pytest.raises(pierce.InputError, match=r"bad\.pvd"):
         series.read_series(tmp_path / "bad.pvd")
+    for name in (5, None, ["a0.obj"]):
+        listed = {"files": [{"name": name, "time": 0}]}
+        (tmp_path / "bad.series").write_text(json.dumps(listed))
+        with pytest.raises(pierce.InputError, match=r"bad\.series.* name is no text"):
+            series.read_series(tmp_path / "bad.series")
+    listed = {"files": [{"name": "a0.obj", "time": math.nan}]}
+    (tmp_path / "bad.series").write_text(json.dumps(listed))
+    with pytest.raises(pierce.InputError, match=r"bad\.series.*not finite"):
+        series.read_series(tmp_path / "bad.series")
     (tmp_path / "alone.pc2").write_bytes(b"")
     with pytest.raises(pierce.InputError, match="there is no mesh"):
         series.read_series(tmp_path / "alone.pc2")

@@ -4,8 +4,10 @@ import csv
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -134,10 +136,77 @@ def test_tasks_of_ray(tmp_path, monkeypatch):
 
         return SimpleNamespace(remote=later)
 
-    like_ray = SimpleNamespace(remote=remote, get=lambda results: results)
+    like_ray = SimpleNamespace(remote=remote, get=lambda result: result)
     monkeypatch.setitem(sys.modules, "ray", like_ray)
     assert "2 of 2 runs are done" in pierce.sweep.run_with_ray(file)
     assert calls == [(str(file), 0), (str(file), 1)]
+
+
+def test_tasks_that_fail_hold_no_others_up(monkeypatch):
+    done, ended = [], []
+
+    def get(number):
+        if number in (1, 2):
+            raise OSError(f"no disk for {number}")
+        if number == 4:
+            raise KeyboardInterrupt
+        done.append(number)
+
+    like_ray = SimpleNamespace(
+        remote=lambda _: SimpleNamespace(remote=lambda _, number: number),
+        get=get,
+        cancel=ended.append,
+    )
+    monkeypatch.setitem(sys.modules, "ray", like_ray)
+    monkeypatch.setattr(pierce.sweep, "missing", lambda _: [0, 1, 2, 3])
+    monkeypatch.setattr(pierce.sweep, "gather", lambda _: "gathered")
+    with pytest.raises(RuntimeError, match=r"runs \[1, 2\] have failed, the first .* disk for 1"):
+        pierce.sweep.run_with_ray("sweep.json")
+    assert done == [0, 3] and ended == []
+    monkeypatch.setattr(pierce.sweep, "missing", lambda _: [0, 4, 5])
+    with pytest.raises(KeyboardInterrupt):
+        pierce.sweep.run_with_ray("sweep.json")
+    assert ended == [0, 4, 5]
+
+
+@pytest.mark.parametrize("stubborn", [False, True])
+def test_an_interrupt_leaves_no_process(stubborn, tmp_path):
+    # A command that has begun a run, as `pierce sweep` does, and maybe takes no signals.
+    ignored = "trap '' TERM; " if stubborn else ""
+    command = tmp_path / "pierce"
+    command.write_text(
+        f'#!/bin/bash\n{ignored}sleep 600 & echo "$$ $!" > {tmp_path}/part; '
+        f"mv {tmp_path}/part {tmp_path}/numbers; wait; wait\n"
+    )
+    command.chmod(0o755)
+    program = "import pierce.sweep as s; s._PATIENCE = 0.5; s.gather('sweep.json')"
+    environment = {**os.environ, "PIERCE_COMMAND": str(command)}
+    caller = subprocess.Popen(
+        [sys.executable, "-c", program],
+        env=environment,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    wait_until((tmp_path / "numbers").exists)
+    numbers = [int(number) for number in (tmp_path / "numbers").read_text().split()]
+    os.kill(caller.pid, signal.SIGINT)
+    assert "KeyboardInterrupt" in caller.communicate(timeout=60)[1]
+    wait_until(lambda: not any(map(runs, numbers)))
+
+
+def wait_until(come):
+    for _ in range(600):
+        if come():
+            return
+        time.sleep(0.05)
+    raise AssertionError("it did not come in 30 s")
+
+
+def runs(process):
+    try:
+        return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 def test_the_pages_example_is_a_sweep(tmp_path):

@@ -80,6 +80,22 @@ def test_no_contacts(kind, two_tori, tmp_path):
         assert len(path.read_text().splitlines()) == 1
 
 
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_nothing_is_added_to_a_closed_table(kind, two_tori, tmp_path):
+    if kind == "parquet":
+        pytest.importorskip("pyarrow", reason="pyarrow is not installed")
+    contacts = two_tori[0].detect()
+    path = tmp_path / f"contacts.{kind}"
+    for steps in (1, 0):
+        with tables.ContactTable(path) as table:
+            for step in range(steps):
+                table.add(step, contacts)
+        size = path.stat().st_size
+        with pytest.raises(ValueError, match=rf"contacts\.{kind}' is closed"):
+            table.add(1, contacts)
+        assert path.stat().st_size == size
+
+
 def test_what_is_refused(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match=r"ends in \.csv or \.parquet"):
         tables.ContactTable(tmp_path / "contacts.xls")

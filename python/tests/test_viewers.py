@@ -236,6 +236,26 @@ def test_viser(two_tori):
         server.stop()
 
 
+def test_viser_shows_bodies_whose_names_are_paths(two_tori):
+    viser = pytest.importorskip("viser", reason="viser is not installed")
+    world, rigid, soft, _ = two_tori
+    server = viser.ViserServer(host="127.0.0.1", port=free_port(), verbose=False)
+    try:
+        viewer = viewers.Viser(world, server, names={soft: "arm", rigid: "arm/hand"})
+        world.set_pose(rigid, POSE)
+        world.detect()
+        viewer.log(0)
+        assert len(viewer._handles) > 2
+        assert not any(path.startswith("/bodies/arm/") for path in viewer._handles)
+        world.remove_body(soft)
+        world.detect()
+        viewer.log(1)
+        (hand,) = viewer._handles.values()
+        np.testing.assert_allclose(hand.position, POSE[:3], atol=1e-6)
+    finally:
+        server.stop()
+
+
 @pytest.mark.parametrize(
     "viewer,module,package",
     [

@@ -1,6 +1,8 @@
 """Worlds, bodies and their contacts: the same as in C++, by names and by values."""
 
+import copy
 import gc
+import pickle
 import re
 import subprocess
 import sys
@@ -111,8 +113,8 @@ def test_contacts_outlast_steps_and_worlds(two_tori):
             world.detect()
     del world, contacts, two_tori
     gc.collect()
-    for view, copy, contacts, hash_then in lists:
-        np.testing.assert_array_equal(view, copy)
+    for view, copied, contacts, hash_then in lists:
+        np.testing.assert_array_equal(view, copied)
         assert contacts.hash == hash_then
 
 
@@ -138,6 +140,10 @@ def test_settings_by_name():
         pierce.World(coverage="some")
     with pytest.raises(TypeError, match="Settings has no field 'covrage'; it has"):
         pierce.World(covrage="complete")
+    with pytest.raises(TypeError, match=r"Settings\.margin cannot be 'wide'"):
+        pierce.World(margin="wide")
+    with pytest.raises(TypeError, match=r"Collision\.sheet cannot be None"):
+        pierce.Collision(sheet=None)
     with pytest.raises(pierce.InputError, match="there are: automatic, embree"):
         pierce.World("cpu")
 
@@ -180,11 +186,26 @@ def test_parts_of_a_list(two_tori):
     world.remove_body(other)
 
 
+def test_values_are_copied_and_pickled(two_tori):
+    world, rigid, soft, _ = two_tori
+    world.detect()
+    mesh = world.mesh_of(rigid)
+    settings = pierce.Settings(margin=0.25, coverage="complete")
+    collision = pierce.Collision(self_="on", margin=0.5)
+    for value in (rigid, soft, mesh, pierce.BodyId(), settings, collision, pierce.Filter(world=3)):
+        for other in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
+            assert other == value and type(other) is type(value)
+    other = copy.deepcopy({"settings": settings})["settings"]
+    other.margin = 1
+    assert settings.margin == 0.25
+    assert copy.copy(world.stats).pairs == world.stats.pairs == 1
+
+
 def test_texts_for_people(two_tori):
     world, rigid, soft, _ = two_tori
     world.detect()
     assert "1 rigid, 1 deforming" in repr(world)
-    assert repr(rigid) == "BodyId(0)"
+    assert repr(rigid) == "BodyId(0)" and repr(pierce.BodyId()) == "BodyId()"
     assert "coverage=" in repr(pierce.Settings())
     assert pierce.Settings()._repr_html_().startswith("<table>")
     assert "Plan(" in repr(world.plan) and "pairs=1" in repr(world.stats)
@@ -260,6 +281,8 @@ def test_pair_filter(two_tori):
         world.detect()
     world.set_pair_filter(None)
     assert len(world.detect()) > 0
+    with pytest.raises(TypeError, match="function of two bodies"):
+        world.set_pair_filter(5)
 
 
 def test_a_filter_that_holds_its_world_is_collected():
@@ -399,6 +422,22 @@ def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
     meshes.clear()
     gc.collect()
     assert sys.getrefcount(progress) == before
+
+
+@pytest.mark.parametrize("ask", [lambda w: w.plan, repr, lambda w: w.detect()])
+def test_measuring_meshes_tells_how_far_it_is(ask):
+    """Python must be free to run, or the callback waits for it for ever."""
+    calls = []
+    world = pierce.World("embree", 2)
+    mesh = world.add_mesh(
+        torus(around=500, across=300), threads=2, progress=lambda what, share: calls.append(what)
+    )
+    world.add_deforming_body(mesh)
+    world.add_rigid_body(mesh, [99, 0, 0, 0, 0, 0, 1])
+    calls.clear()
+    ask(world)
+    if not calls:
+        pytest.skip("this machine measures the mesh before there is anything to tell")
 
 
 def test_a_mesh_that_is_made_takes_no_options():

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
+#include "bullet/foremost.hpp"
 #include "bullet/soft_response.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
 
@@ -117,7 +119,7 @@ bool is_fast(const Binding& binding) {
 std::vector<PoseAhead> Coupling::going_fast() const {
     std::vector<PoseAhead> fast;
     for (const Binding& binding : bindings_)
-        if (is_fast(binding))
+        if (is_fast(binding) && world_.motion_of(binding.body) == Motion::rigid)
             fast.push_back(
                 {binding.body, from_bullet(binding.object->getInterpolationWorldTransform())});
     return fast;
@@ -192,15 +194,34 @@ std::uint32_t Coupling::write_soft(Binding& a, Binding& b, std::span<const Conta
     return count;
 }
 
+/// True for a vertex or an edge that is near another body, but whose surroundings come nearer, such
+/// as a floor's in front of a box that stands on it: a point there would stop what slides.
+bool Coupling::is_aside(const Contact& contact, const Binding& a, const Binding& b) const {
+    if (contact.found != Found::near) return false;
+    const bool from_a = contact.source == Side::a;
+    const Binding& source = from_a ? a : b;
+    const MeshView mesh = world_.mesh(world_.mesh_of(source.body)).view({});
+    const btVector3 out = to_bullet(from_a ? contact.normal : -contact.normal);
+    const Vec3d way = from_bullet(out * source.object->getWorldTransform().getBasis());
+    return !(contact.is_edge() ? is_foremost(mesh, contact.vertex, contact.edge_end, way)
+                               : is_foremost(mesh, contact.vertex, way));
+}
+
 void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) {
     const bool in_order = first.body.index <= second.body.index;
     Binding &a = in_order ? first : second, &b = in_order ? second : first;
     const std::span<const Contact> contacts = contacts_of(a.body, b.body);
-    if (a.soft == nullptr && b.soft == nullptr)
-        algorithm.write_manifolds(side(a), side(b), contacts, most_per_pair_,
-                                  impacts_of(a.body, b.body));
-    else
+    if (a.soft != nullptr || b.soft != nullptr) {
         algorithm.note_soft(write_soft(a, b, contacts));
+        return;
+    }
+    const auto is_left_out = [&](const Contact& c) { return is_aside(c, a, b); };
+    std::vector<Contact> others;
+    const bool leaves_out = std::ranges::any_of(contacts, is_left_out);
+    if (leaves_out) std::ranges::remove_copy_if(contacts, std::back_inserter(others), is_left_out);
+    algorithm.write_manifolds(side(a), side(b),
+                              leaves_out ? std::span<const Contact>(others) : contacts,
+                              most_per_pair_, impacts_of(a.body, b.body));
 }
 
 void Coupling::write_self() {

@@ -74,6 +74,7 @@ private:
     std::span<const ImpactContact> impacts_of(BodyId a, BodyId b) const;
     ContactSide side(const Binding& binding);
     std::uint32_t write_soft(Binding& a, Binding& b, std::span<const Contact> contacts);
+    bool is_aside(const Contact& contact, const Binding& a, const Binding& b) const;
 
     World& world_;
     std::uint32_t most_per_pair_;

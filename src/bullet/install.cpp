@@ -6,8 +6,10 @@
 #include <LinearMath/btIDebugDraw.h>
 
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <utility>
+#include <vector>
 
 #include "bullet/coupling.hpp"
 #include "bullet/followed_objects.hpp"
@@ -93,6 +95,8 @@ struct Installation::State final : public btActionInterface {
     void meet(btBroadphasePair& pair, Binding& a, Binding& b);
     PairAlgorithm& algorithm_of(btBroadphasePair& pair);
     void follow();
+    bool is_own(const btBroadphasePair& pair) const;
+    void note_look_at(const btBroadphasePair& pair);
     void begin_pass();
     void detect();
     void bind(btCollisionObject& object, btSoftBody* soft, BodyId body);
@@ -115,6 +119,7 @@ struct Installation::State final : public btActionInterface {
     bool has_changed = false;  ///< bodies have come or gone since contacts were looked for
     bool has_detected = false, had_detected = false;  ///< in this step; in the one before
     std::uint64_t pass = 0;
+    std::vector<std::uint64_t> seen_in;  ///< per pair of the world's cache, the last pass with it
     double response = 0, last_response = 0;  ///< [ms]
 };
 
@@ -123,7 +128,25 @@ void Installation::State::follow() {
     if (options.automatic && followed.follow()) has_changed = true;
 }
 
-/// A pass is one look of Bullet's at all pairs whose boxes overlap.
+/// True if the pair is in the world's cache. Ghosts have caches of their own, and worlds may share
+/// a dispatcher; what looks at such pairs says nothing about the step.
+bool Installation::State::is_own(const btBroadphasePair& pair) const {
+    const btBroadphasePairArray& all = bullet.getPairCache()->getOverlappingPairArray();
+    return all.size() > 0 && !std::less<>()(&pair, &all[0]) &&
+           std::less<>()(&pair, &all[0] + all.size());
+}
+
+/// Bullet looks at each pair once in a pass.
+void Installation::State::note_look_at(const btBroadphasePair& pair) {
+    const btBroadphasePairArray& all = bullet.getPairCache()->getOverlappingPairArray();
+    const auto number = static_cast<std::size_t>(&pair - &all[0]);
+    if (number >= seen_in.size()) seen_in.resize(static_cast<std::size_t>(all.size()), 0);
+    if (pass_begins || seen_in[number] == pass) begin_pass();
+    seen_in[number] = pass;
+}
+
+/// A pass is one look of Bullet's at all pairs whose boxes overlap. A program may look several
+/// times in a step, or between steps.
 void Installation::State::begin_pass() {
     const bool in_step = !std::exchange(pass_begins, false);
     ++pass;
@@ -160,7 +183,6 @@ void Installation::State::meet(btBroadphasePair& pair, Binding& a, Binding& b) {
     const auto begin = std::chrono::steady_clock::now();
     PairAlgorithm& algorithm = algorithm_of(pair);
     coupling.write(algorithm, a, b);
-    algorithm.pass = pass;
     response += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
                     .count();
 }
@@ -168,11 +190,9 @@ void Installation::State::meet(btBroadphasePair& pair, Binding& a, Binding& b) {
 void Installation::State::near_callback(btBroadphasePair& pair, btCollisionDispatcher& dispatcher,
                                         const btDispatcherInfo& info) {
     State& state = *installed_in(dispatcher)->installation().state_;
-    {
+    if (state.is_own(pair)) {
         const std::scoped_lock lock(state.one_at_a_time);
-        const auto* ours = dynamic_cast<const PairAlgorithm*>(pair.m_algorithm);
-        // A program may look at all pairs several times in a step.
-        if (state.pass_begins || (ours != nullptr && ours->pass == state.pass)) state.begin_pass();
+        state.note_look_at(pair);
         const auto bound = [&](const btBroadphaseProxy& proxy) {
             return state.coupling.find(&object_of(proxy));
         };
@@ -188,7 +208,8 @@ void Installation::State::near_callback(btBroadphasePair& pair, btCollisionDispa
             state.meet(pair, *a, *b);
             return;
         }
-        if (ours != nullptr) state.bullet.getPairCache()->cleanOverlappingPair(pair, &dispatcher);
+        if (dynamic_cast<const PairAlgorithm*>(pair.m_algorithm) != nullptr)
+            state.bullet.getPairCache()->cleanOverlappingPair(pair, &dispatcher);
     }
     state.before(pair, dispatcher, info);
 }
@@ -309,6 +330,7 @@ void uninstall(btDiscreteDynamicsWorld& bullet) {
     if (configuration == nullptr) return;
     Installation* installation = &configuration->installation();
     Installation::State& state = *installation->state_;
+    if (&state.bullet != &bullet) return;  // worlds may share a dispatcher
     state.follow();
     state.forget_pairs_of(nullptr);
     // What is not in the world may be deleted.

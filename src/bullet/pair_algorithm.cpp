@@ -56,15 +56,19 @@ void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const Contac
                                           const ContactSide& b, const Points& points) {
     const std::size_t needed = (points.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
     while (manifolds.size() > needed) {
+        if (gContactEndedCallback != nullptr) (*gContactEndedCallback)(manifolds.back());
         dispatcher.releaseManifold(manifolds.back());
         manifolds.pop_back();
     }
+    const std::size_t before = manifolds.size();
     while (manifolds.size() < needed)
         manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
     for (std::size_t i = 0; i < points.size(); ++i) {
         manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(points[i].second);
         features.push_back(points[i].first);
     }
+    for (std::size_t m = before; m < needed && gContactStartedCallback != nullptr; ++m)
+        (*gContactStartedCallback)(manifolds[m]);
 }
 
 namespace {

@@ -46,8 +46,6 @@ public:
                                    const btDispatcherInfo& info, btManifoldResult* result) override;
     void getAllContactManifolds(btManifoldArray& manifolds) override;
 
-    std::uint64_t pass = 0;  ///< in which it was last used
-
 private:
     struct Manifolds;
     void set_written(std::uint32_t count);

@@ -157,12 +157,6 @@ pierce_status pierce_given_triangle(const pierce_world* world, pierce_mesh_id me
     return guarded([&] {
         auto& inner = world_of(world);
         required(given, "given");
-        const pierce::Mesh& of = inner.mesh(mesh_handle(mesh));
-        // Mesh::given_triangle() does not look.
-        if (triangle >= of.triangles().size())
-            throw pierce::InputError("triangle " + std::to_string(triangle) +
-                                     " is out of range: the mesh has " +
-                                     std::to_string(of.triangles().size()));
-        *given = of.given_triangle(triangle);
+        *given = inner.mesh(mesh_handle(mesh)).given_triangle(triangle);
     });
 }

@@ -43,7 +43,8 @@ struct EmbreeTracer::State {
         if (device != nullptr) rtcReleaseDevice(device);
     }
 
-    /// Throws if Embree has reported an error since the last call.
+    /// Throws if Embree has reported an error on this thread since the last call; every thread has
+    /// errors of its own.
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
         if (error != RTC_ERROR_NONE)
@@ -109,6 +110,12 @@ void EmbreeTracer::State::update_moving(const BodyView& body, MovingTree& entry,
         entry.tree->see(body.surface());
     }
     entry.positions_version = body.positions_version;
+    try {
+        check();
+    } catch (...) {
+        entry = {};  // what could not be built is not used again
+        throw;
+    }
 }
 
 void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies,
@@ -125,8 +132,10 @@ void EmbreeTracer::update(TbbExecutor& executor, View<const BodyView> bodies,
         }
         std::unique_ptr<Tree>& tree = s.still[bodies[b].mesh_key];
         if (tree == nullptr) {
-            tree = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
-                                          bodies[b].fit_box);
+            auto made = std::make_unique<Tree>(s.device, TreeKind::still, bodies[b].surface(),
+                                               bodies[b].fit_box);
+            s.check();
+            tree = std::move(made);
             ++s.counts.builds;
         } else {
             tree->see(bodies[b].surface());

@@ -1,8 +1,10 @@
 #include "cpu_embree/embree_tree.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/surface.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
+#include <cmath>
 #include <limits>
 
 namespace pierce::embree {
@@ -114,7 +116,12 @@ struct Tree::PointQuery {
 };
 
 void Tree::show_near(ClosestSearch& search) const {
-    PointQuery query{&search, 2.0 * static_cast<double>(margin_)};
+    // The point rounds by half an ulp of its largest coordinate along each axis, and Embree's
+    // distances by three ulp. These add up to less than 8 ulp of that coordinate and of the box's.
+    double furthest = 0;
+    for (int k = 0; k < 3; ++k) furthest = max_of(std::fabs(search.point()[k]), furthest);
+    PointQuery query{&search,
+                     2.0 * static_cast<double>(margin_) + constants::slab_margin * furthest};
     RTCPointQueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     rtcInitPointQueryContext(&context);
     const Vec3f at = to_float(search.point());

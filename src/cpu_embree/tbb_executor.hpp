@@ -76,15 +76,16 @@ public:
             const std::uint32_t begin = chunk * emitted_chunk,
                                 end = min_of(begin + emitted_chunk, n);
             find_all(finder, begin, end, found + begin);
-            std::uint32_t sum = 0;
+            std::uint64_t sum = 0;
             for (std::uint32_t i = begin; i < end; ++i) sum += finder.count(found[i]);
             places_[chunk + 1] = sum;
         });
         places_[0] = 0;
         std::partial_sum(places_.begin(), places_.end(), places_.begin());
-        (lists.renew(places_.back()), ...);
+        [[maybe_unused]] const std::uint32_t length = list_length(places_.back());
+        (lists.renew(length), ...);
         share(chunks, 1, [&](std::uint32_t chunk) {
-            std::uint32_t place = places_[chunk];
+            auto place = static_cast<std::uint32_t>(places_[chunk]);
             for (std::uint32_t i = chunk * emitted_chunk;
                  i < min_of((chunk + 1) * emitted_chunk, n); ++i) {
                 finder.write(i, found[i], place, lists.data()...);
@@ -137,7 +138,7 @@ private:
     Team team_;
     SerialExecutor serial_;
     HostBuffer<std::byte> found_;       ///< what items find while they emit, or sums of chunks
-    HostBuffer<std::uint32_t> places_;  ///< where each chunk begins to write
+    HostBuffer<std::uint64_t> places_;  ///< where each chunk begins to write
 };
 
 static_assert(Executor<TbbExecutor>);

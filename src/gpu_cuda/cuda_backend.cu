@@ -152,7 +152,7 @@ public:
         contacts_.clear();
         pairs_.clear();
         fetched_ = true;
-        pipeline().remember(memory);
+        pipeline().restore(memory);
         // Captured steps know where memory lay, and how much there was of it.
         restart();
     }
@@ -226,7 +226,7 @@ private:
         executor().begin_exact(bank_);
         pipeline().step(mirror().scene(), stats);
         executor().end();
-        executor().finish();
+        if (!executor().finish()) throw std::length_error("a step would list 2^32 things or more");
         pipeline().report(*mirror().scene().plan, stats);
     }
 
@@ -257,7 +257,7 @@ private:
             return pipeline().report(*mirror().scene().plan, stats);
         }
         // A list outgrew its room: the step runs once more as an exact step, from the same memory.
-        pipeline().forget_step(mirror().scene());
+        pipeline().recall(mirror().scene());
         mirror().restore_seen();
         restart();
         exact_step(stats);
@@ -272,7 +272,6 @@ private:
     void fetch() const {
         if (fetched_) return;
         const cuda::OnDevice here(device_);
-        fetched_ = true;
         const std::uint32_t others = executor().number(count_of(pipeline().contacts()));
         const std::uint32_t of_sheets = mirror().scene().plan->sheets
                                             ? executor().number(
@@ -285,6 +284,7 @@ private:
                                 of_sheets);
         executor().copy_to_host(pairs_.data(), pipeline().pairs().data(), pairs_.size());
         executor().wait();
+        fetched_ = true;
     }
 
     // The first member is the last one to end.
@@ -350,6 +350,7 @@ void connect(std::span<const int> devices) {
 }  // namespace
 
 std::unique_ptr<Backend> cuda_backend(CudaOptions options) {
+    check_tree_builder(options.builder);
     const std::string problem = cuda_problem();
     if (!problem.empty()) throw InputError("the cuda backend cannot run here: " + problem);
     int count = 0;

@@ -11,6 +11,8 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
+#include <limits>
+#include <stdexcept>
 
 #include "core/device/lanes.hpp"
 #include "core/device/view.hpp"
@@ -488,7 +490,7 @@ private:
         constexpr std::size_t word = sizeof(std::uint32_t);
         const std::size_t begin = (bytes + word - 1) / word;  // the first word after the sort's own
                                                               // scratch memory
-        scratch_.resize(static_cast<std::uint32_t>(word * (begin + 2 * n.bound())));
+        need_scratch(word * (begin + 2 * std::size_t{n.bound()}));
         std::uint32_t* const narrow = reinterpret_cast<std::uint32_t*>(scratch_.data()) + begin;
         for_each(n.bound(), cuda::NarrowKey{items(n), keys.data, narrow});
         sort(scratch_.data(), bytes, narrow, narrow + n.bound());
@@ -513,12 +515,18 @@ private:
         std::swap(scratch_, side_.scratch);
     }
 
+    void need_scratch(std::size_t bytes) {
+        if (bytes > std::numeric_limits<std::uint32_t>::max())
+            throw std::length_error("a sort or a sum would need 4 GiB of scratch memory");
+        scratch_.resize(static_cast<std::uint32_t>(bytes));
+    }
+
     /// Calls a function of CUB's twice: for the size of its scratch memory, and with it.
     template <class F>
     void with_scratch(const F& call) {
         std::size_t bytes = 0;
         cuda::check(call(nullptr, bytes), "preparing a collective operation");
-        scratch_.resize(static_cast<std::uint32_t>(bytes));
+        need_scratch(bytes);
         cuda::check(call(scratch_.data(), bytes), "a collective operation");
     }
 

@@ -118,12 +118,12 @@ __global__ void __launch_bounds__(block_threads, blocks_at_once<F>(block_threads
         if (lane == 0) {
             begin = before;
             if (to.in_order && blockIdx.x + 1 == gridDim.x) *to.total = before + sum;
-            if (sum > 0 && before + sum > to.room) to.overflow.set();
+            if (sum > 0 && std::uint64_t{before} + sum > to.room) to.overflow.set();
         }
     }
     __syncthreads();
     if constexpr (sizeof...(T) > 0)
-        if (is_item && sum > 0 && begin + sum <= to.room)
+        if (is_item && sum > 0 && std::uint64_t{begin} + sum <= to.room)
             finder.write(i, found, begin + place, lists...);
     // pads() is a function, as nvcc 13.0 evaluates a `requires` with a pack only once, for the
     // launch without lists.

@@ -36,11 +36,15 @@ public:
         posed_.clear();
         far_.clear();
     }
-    /// Sets where the device has a body's vertices, which are to be sent.
+    /// Sets where the device has a body's vertices, which are to be sent. The body's mesh is there.
     void place(std::uint32_t b, BodyView& view) {
         if (view.motion == Motion::deforming) {
             view.positions = {positions_.data() + vertices_at_.first(b), view.positions.size};
             view.start = {starts_.data() + vertices_at_.first(b), view.start.size};
+            // Bodies that take no part are not sent, but their trees are built.
+            if (!view.active)
+                executor_.copy(positions_.data() + vertices_at_.first(b), view.mesh.positions.data,
+                               view.positions.size, cudaMemcpyDeviceToDevice);
         }
         positions_of_[b] = view.positions.data;
         sent_version_[b] = 0;

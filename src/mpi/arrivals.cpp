@@ -7,9 +7,17 @@
 namespace pierce::mpi {
 
 void World::State::take_in(std::vector<std::string> all) {
+    std::vector<GhostMessage> messages(all.size());
     for (std::uint32_t from = 0; from < all.size(); ++from)
         if (from != rank() && !all[from].empty())
-            take_in(from, from_bytes<GhostMessage>(std::move(all[from])));
+            messages[from] = from_bytes<GhostMessage>(std::move(all[from]));
+    // What is remembered is about the bodies of the last step, before others come.
+    if (tells_seen() && std::ranges::any_of(messages, [](const GhostMessage& message) {
+            return !message.bodies.empty();
+        }))
+        to_remember();
+    for (std::uint32_t from = 0; from < messages.size(); ++from)
+        if (!messages[from].empty()) take_in(from, std::move(messages[from]));
     if (!inside.planned) exclude_pairs();
     if (handed) {
         inside.refresh_views();
@@ -19,17 +27,33 @@ void World::State::take_in(std::vector<std::string> all) {
     hands_over = false;
 }
 
-void World::State::take_meshes(std::vector<SavedMesh> meshes) {
+void World::State::take_meshes(std::uint32_t from, std::vector<SavedMesh> meshes) {
     for (SavedMesh& mesh : meshes) {
         const std::uint64_t key = mesh.key;
-        if (known_meshes.contains(key)) continue;
+        KnownMesh& known = known_meshes[key];
+        known.senders.insert(from);
+        if (known.here) continue;
         // Backends find by its key what they have of a mesh: there is one of each.
         const auto& slots = inside.meshes.slots();
         const auto same = std::ranges::find_if(
             slots, [&](const auto& slot) { return slot.used && slot.thing.key == key; });
-        known_meshes[key] = inside.meshes.add(same != slots.end() ? MeshEntry(same->thing)
-                                                                  : made_from(std::move(mesh)));
+        known.here = inside.meshes.add(same != slots.end() ? MeshEntry(same->thing)
+                                                           : made_from(std::move(mesh)));
     }
+}
+
+/// A rank has removed a mesh. It stays as long as another rank may name it, or a body here has it.
+void World::State::forget_mesh(std::uint32_t from, std::uint64_t key) {
+    const auto known = known_meshes.find(key);
+    if (known == known_meshes.end()) return;
+    auto& [here, senders] = known->second;
+    senders.erase(from);
+    if (!senders.empty() || std::ranges::any_of(inside.bodies.slots(), [&](const auto& slot) {
+            return slot.used && slot.thing.mesh == here;
+        }))
+        return;
+    inside.meshes.remove(here, "mesh");
+    known_meshes.erase(known);
 }
 
 void World::State::drop_away() {
@@ -45,7 +69,7 @@ void World::State::drop_away() {
 void World::State::put(const WholeBody& body, std::uint32_t owner) {
     auto& slots = inside.bodies.slots();
     BodyEntry entry = body.entry;
-    entry.mesh = known_meshes.at(body.mesh_key);
+    entry.mesh = known_meshes.at(body.mesh_key).here;
     entry.part = owner;
     entry.away = false;
     // Trees point to positions until these have another version.
@@ -58,8 +82,7 @@ void World::State::put(const WholeBody& body, std::uint32_t owner) {
 }
 
 void World::State::take_in(std::uint32_t from, GhostMessage message) {
-    const auto& slots = inside.bodies.slots();
-    take_meshes(std::move(message.meshes));
+    take_meshes(from, std::move(message.meshes));
     for (const std::uint32_t b : message.left) {
         if (!belongs_to(b, from)) continue;
         entry(b).away = true;
@@ -86,14 +109,7 @@ void World::State::take_in(std::uint32_t from, GhostMessage message) {
     }
     if (inside.planned && message.forgotten.empty()) return;
     drop_away();  // a new plan is made in any case
-    for (const std::uint64_t key : message.forgotten) {
-        const auto known = known_meshes.find(key);
-        if (known == known_meshes.end()) continue;
-        const bool is_used = std::ranges::any_of(
-            slots, [&](const auto& slot) { return slot.used && slot.thing.mesh == known->second; });
-        if (!is_used) inside.meshes.remove(known->second, "mesh");
-        known_meshes.erase(known);
-    }
+    for (const std::uint64_t key : message.forgotten) forget_mesh(from, key);
 }
 
 void World::State::exclude_pairs() {
@@ -113,9 +129,9 @@ StepMemory& World::State::to_remember() {
 }
 
 StepMemory World::State::remembered() {
-    if (inside.planned)
-        inside.backend->fetch_seen(view_of(std::as_const(inside.ids)),
-                                   view_of(std::as_const(inside.seen)));
+    if (!inside.planned) inside.make_plan();
+    inside.backend->fetch_seen(view_of(std::as_const(inside.ids)),
+                               view_of(std::as_const(inside.seen)));
     return inside.backend->memory();
 }
 

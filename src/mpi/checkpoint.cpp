@@ -145,9 +145,9 @@ World World::restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> 
             if (!slots[b].used || owners[b] != s.rank()) continue;
             BodyEntry body = slots[b].thing;
             const MeshEntry& mesh = from.meshes.get(body.mesh, "mesh");
-            if (!s.known_meshes.contains(mesh.key))
-                s.known_meshes[mesh.key] = s.inside.meshes.add(mesh);
-            body.mesh = s.known_meshes.at(mesh.key);
+            MeshId& here = s.known_meshes[mesh.key].here;
+            if (!here) here = s.inside.meshes.add(mesh);
+            body.mesh = here;
             body.part = s.rank();
             s.inside.bodies.put({b, slots[b].generation}, std::move(body));
             if (b < memory.bodies.size()) s.handed->bodies[b] = memory.bodies[b];

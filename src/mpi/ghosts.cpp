@@ -123,7 +123,7 @@ void World::State::look_around() {
     for (std::uint32_t other = 0; other < all.size(); ++other) {
         work.push_back(all[other].work);
         if (other == rank()) continue;
-        boxes.insert(boxes.end(), all[other].reach, all[other].reach + all[other].boxes);
+        boxes.insert(boxes.end(), all[other].reach, all[other].reach + all[other].box_count);
         of_ranks.resize(boxes.size(), other);
     }
     near_ranks = NearRanks(std::move(boxes), std::move(of_ranks));
@@ -178,8 +178,8 @@ Summary World::State::summary() {
         cells_extent = extent_of(boxes);
     }
     for (const Box& box : boxes) {
-        if (mine.boxes < Summary::most_boxes)
-            mine.reach[mine.boxes++] = box;
+        if (mine.box_count < Summary::most_boxes)
+            mine.reach[mine.box_count++] = box;
         else
             mine.reach[Summary::most_boxes - 1].extend(box);
     }

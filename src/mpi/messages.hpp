@@ -70,8 +70,8 @@ struct Summary {
     static constexpr std::size_t most_boxes = 80;
 
     bool failed = false;
-    double work = 0;
-    std::uint64_t boxes = 0;
+    double work = 0;  ///< [triangles] ghosts count in part
+    std::uint64_t box_count = 0;
     Box reach[most_boxes];  ///< of its moving bodies
 };
 

@@ -143,7 +143,7 @@ Migration World::migrate() {
         for (std::uint32_t from = 0; from < all.size(); ++from) {
             if (from == s.rank()) continue;
             Handover handover = from_bytes<Handover>(std::move(all[from]));
-            s.take_meshes(std::move(handover.meshes));
+            s.take_meshes(from, std::move(handover.meshes));
             for (const WholeBody& body : handover.bodies) {
                 s.put(body, s.rank());
                 migration.arrived.push_back(body.id);

@@ -1,6 +1,7 @@
 #include "pierce/mpi/ranks_backend.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,7 +10,6 @@
 #include "core/body/body_view.hpp"
 #include "core/body/reach.hpp"
 #include "core/body/scene.hpp"
-#include "core/partition/contact_order.hpp"
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/merged_lists.hpp"
 #include "core/partition/part_scene.hpp"
@@ -21,39 +21,54 @@
 #include "mpi/failure.hpp"
 #include "mpi/items.hpp"
 #include "mpi/messages.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "pierce/explain.hpp"
+#include "pierce/plan.hpp"
 #include "pierce/reference_backends.hpp"
 
 namespace pierce::mpi {
 namespace {
 
 /// What a rank has found in a step.
-struct Found {
+struct RankResult {
     std::vector<Contact> by_rays, of_sheets;
     std::vector<Pair> pairs;
     StepStats stats;
 };
 
-/// The numbers of a step, but for how long stages took.
+/// The numbers of a step, but for how long stages took, and what took part in it.
 struct Numbers {
     std::uint32_t status = step_ok;
     std::uint64_t triangle_tests = 0;
-    double device_milliseconds = 0, penetration_mean = 0, penetration_max = 0;
+    double milliseconds = 0, device_milliseconds = 0, penetration_mean = 0, penetration_max = 0;
+    PartScene::Sizes sizes;
 };
 
 class RanksBackend : public Backend {
 public:
     RanksBackend(MPI_Comm ranks, std::unique_ptr<Backend> backend)
         : comm_(ranks),
-          backend_(std::move(backend)),
+          backend_(all_have(std::move(backend))),
           partition_(std::vector<double>(static_cast<std::size_t>(comm_.size()), 1.0)),
-          scene_(static_cast<std::uint32_t>(comm_.rank())) {}
+          scene_(static_cast<std::uint32_t>(comm_.rank())),
+          certificates_pay_(all_say(backend_->certificates_pay())),
+          calls_pair_filters_(all_say(backend_->calls_pair_filters())) {
+        const auto on_device = static_cast<std::uint8_t>(backend_->runs_on_device());
+        const std::vector<std::uint8_t> all_on_device = comm_.all_gather(on_device);
+        const std::vector<std::string> descriptions = comm_.all_gather(backend_->description());
+        for (std::size_t rank = 0; rank < descriptions.size(); ++rank)
+            planned_.push_back(
+                {.backend = descriptions[rank], .on_device = all_on_device[rank] != 0});
+    }
 
     std::string description() const override {
         return std::to_string(comm_.size()) + " ranks; " + backend_->description();
     }
-    bool certificates_pay() const override { return backend_->certificates_pay(); }
+    /// All ranks have one plan.
+    bool certificates_pay() const override { return certificates_pay_; }
+    bool calls_pair_filters() const override { return calls_pair_filters_; }
+    std::vector<PlannedPart> parts() const override { return planned_; }
 
     void step(const Scene& whole, StepStats& stats) override {
         contacts_.clear();
@@ -82,13 +97,12 @@ public:
         backend_->fetch_bodies(here);
         for (std::uint32_t b = 0; b < here.size && b < bodies.size; ++b)
             if (here[b].active) static_cast<BodyBounds&>(bodies[b]) = here[b];
-        // Of bodies that no pair here can have, only the boxes are known.
+        // Of bodies that no pair here can have, nothing has been measured.
         for (std::uint32_t b = 0; b < bodies.size; ++b)
-            if (bodies[b].active && !(b < here.size && here[b].active))
-                bodies[b].world_box = box_of(bodies[b]);
+            if (bodies[b].active && !(b < here.size && here[b].active)) measure_outside(bodies[b]);
     }
-    void fetch_seen(View<const BodyId>, View<const View<SeenPatch>> seen) const override {
-        gather_seen(partition_.owners(), seen);
+    void fetch_seen(View<const BodyId> ids, View<const View<SeenPatch>> seen) const override {
+        gather_seen(partition_.owners(), ids, seen);
     }
 
     StepMemory memory() const override {
@@ -101,17 +115,37 @@ public:
     }
 
 private:
+    /// Throws on all ranks if one has no backend.
+    std::unique_ptr<Backend> all_have(std::unique_ptr<Backend> mine) const {
+        if (!all_say(mine != nullptr)) throw InputError("a rank has no backend");
+        return mine;
+    }
+    bool all_say(bool mine) const {
+        return std::ranges::count(comm_.all_gather(static_cast<std::uint8_t>(mine)), 0) == 0;
+    }
     std::uint32_t part() const { return static_cast<std::uint32_t>(comm_.rank()); }
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const {
         const std::span<const std::uint32_t> owners = partition_.owners();
         return part_of_pair(bodies[pair.a].motion, owners[pair.a], bodies[pair.b].motion,
                             owners[pair.b]);
     }
-    static Box box_of(const BodyView& body) {
-        if (body.motion != Motion::deforming) return placed_box(body.mesh.box, body.space).box;
+    /// The bounds of a body in which no frame is fitted to a deforming body.
+    static void measure_outside(BodyView& body) {
+        if (body.motion != Motion::deforming) {
+            body.world_box = placed_box(body.mesh.box, body.space).box;
+            return;
+        }
         Box box;
-        for (const Vec3f p : body.positions) box.extend(to_double(p));
-        return box;
+        double furthest = 0;
+        for (std::uint32_t v = 0; v < body.positions.size; ++v) {
+            const Vec3d at = to_double(body.positions[v]);
+            box.extend(at);
+            furthest = std::max(furthest, length(at - to_double(body.mesh.positions[v])));
+        }
+        body.fit = {};
+        body.touch = constants::touch_tolerance * box.extent();
+        body.world_box = body.fit_box = box.inflated(body.touch);
+        body.deviation = furthest + body.touch;
     }
 
     template <class Run>
@@ -135,8 +169,14 @@ private:
         });
         scene_.show(whole, partition_, anew || moved);
         hand_out(whole, moved);
-        Found found;
-        together([&] { backend_->step(scene_.scene(whole), found.stats); });
+        RankResult found;
+        together([&] {
+            const auto begin = std::chrono::steady_clock::now();
+            backend_->step(scene_.scene(whole), found.stats);
+            found.stats.milliseconds = std::chrono::duration<double, std::milli>(
+                                           std::chrono::steady_clock::now() - begin)
+                                           .count();
+        });
         share(whole, found.stats, stats);
     }
 
@@ -154,7 +194,7 @@ private:
                                                                 : partition_.owners();
             if (owners.empty() || !(moved || arrivals)) return;
             given = gathered_memory(owners);
-            gather_seen(owners, whole.seen);
+            gather_seen(owners, whole.ids, whole.seen);
         }
         backend_->remember(part_of_memory(*given, [&](Pair pair) {
             return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
@@ -172,8 +212,12 @@ private:
     }
 
     /// How deforming bodies looked in the last step, which their owners know.
-    void gather_seen(std::span<const std::uint32_t> owners,
+    void gather_seen(std::span<const std::uint32_t> owners, View<const BodyId> ids,
                      View<const View<SeenPatch>> seen) const {
+        std::vector<BodyId> own(ids.begin(), ids.end());
+        for (std::size_t b = 0; b < own.size(); ++b)
+            if (b >= owners.size() || owners[b] != part()) own[b] = {};
+        backend_->fetch_seen(view_of(std::as_const(own)), seen);
         std::string bytes;
         const auto is_told = [&](std::uint32_t b, std::uint32_t by) {
             return b < owners.size() && owners[b] == by && seen[b].size > 0;
@@ -194,29 +238,30 @@ private:
 
     /// Tells all ranks what this one has found, and joins the lists.
     void share(const Scene& whole, const StepStats& mine, StepStats& stats) {
-        const View<const Contact> contacts = backend_->contacts();
-        const View<const BodyView> bodies = whole.bodies;
-        const auto by_rays = static_cast<std::uint32_t>(
-            std::partition_point(contacts.begin(), contacts.end(),
-                                 [&](const Contact& c) { return is_by_ray(c, bodies); }) -
-            contacts.begin());
+        const PartLists lists(backend_->contacts(), backend_->pairs(), whole.bodies);
         std::string bytes;
-        append_items<Contact>(bytes, {contacts.data, by_rays});
-        append_items<Contact>(bytes, {contacts.data + by_rays, contacts.size - by_rays});
-        const View<const Pair> its_pairs = backend_->pairs();
-        append_items<Pair>(bytes, {its_pairs.data, its_pairs.size});
+        const auto append = [&]<class Item>(View<const Item> list) {
+            append_items<Item>(bytes, {list.data, list.size});
+        };
+        append(lists.by_rays);
+        append(lists.of_sheets);
+        append(lists.pairs);
         std::vector<std::uint32_t> counts;
         for (const auto count : added_counts()) counts.push_back(mine.*count);
         append_items<std::uint32_t>(bytes, counts);
-        const std::vector<Numbers> numbers{{mine.status, mine.triangle_tests,
-                                            mine.device_milliseconds, mine.penetration_mean,
-                                            mine.penetration_max}};
+        const std::vector<Numbers> numbers{{.status = mine.status,
+                                            .triangle_tests = mine.triangle_tests,
+                                            .milliseconds = mine.milliseconds,
+                                            .device_milliseconds = mine.device_milliseconds,
+                                            .penetration_mean = mine.penetration_mean,
+                                            .penetration_max = mine.penetration_max,
+                                            .sizes = scene_.sizes()}};
         append_items<Numbers>(bytes, numbers);
         append_items<StageTime>(bytes, mine.stages);
 
-        std::vector<Found> all;
+        std::vector<RankResult> all;
         for (const std::string& its : comm_.all_gather(bytes)) {
-            Found& found = all.emplace_back();
+            RankResult& found = all.emplace_back();
             std::size_t at = 0;
             take_items(its, at, found.by_rays);
             take_items(its, at, found.of_sheets);
@@ -225,33 +270,32 @@ private:
             take_items(its, at, counts);
             for (std::size_t k = 0; k < counts.size(); ++k)
                 found.stats.*added_counts()[k] = counts[k];
-            std::vector<Numbers> its_numbers;
-            take_items(its, at, its_numbers);
-            found.stats.status = its_numbers.at(0).status;
-            found.stats.triangle_tests = its_numbers[0].triangle_tests;
-            found.stats.device_milliseconds = its_numbers[0].device_milliseconds;
-            found.stats.penetration_mean = its_numbers[0].penetration_mean;
-            found.stats.penetration_max = its_numbers[0].penetration_max;
+            std::vector<Numbers> of_rank;
+            take_items(its, at, of_rank);
+            const Numbers& its_numbers = of_rank.at(0);
+            found.stats.status = its_numbers.status;
+            found.stats.triangle_tests = its_numbers.triangle_tests;
+            found.stats.milliseconds = its_numbers.milliseconds;
+            found.stats.device_milliseconds = its_numbers.device_milliseconds;
+            found.stats.penetration_mean = its_numbers.penetration_mean;
+            found.stats.penetration_max = its_numbers.penetration_max;
+            PlannedPart& planned = planned_[all.size() - 1];
+            planned.bodies = its_numbers.sizes.own;
+            planned.ghosts = its_numbers.sizes.ghosts;
+            planned.triangles = its_numbers.sizes.triangles;
             take_items(its, at, found.stats.stages);
         }
-        std::vector<View<const Contact>> of_rays, of_sheets;
-        std::vector<View<const Pair>> pairs;
+        std::vector<PartLists> of_all;
         std::vector<StepStats> of_ranks;
-        for (const Found& found : all) {
-            of_rays.push_back(view_of(found.by_rays));
-            of_sheets.push_back(view_of(found.of_sheets));
-            pairs.push_back(view_of(found.pairs));
+        for (const RankResult& found : all) {
+            of_all.emplace_back(view_of(found.by_rays), view_of(found.of_sheets),
+                                view_of(found.pairs));
             of_ranks.push_back(found.stats);
         }
         const auto key_of = [&](std::size_t, const Pair& pair) {
-            return keys_.key(bodies, pair.a, pair.b);
+            return keys_.key(whole.bodies, pair.a, pair.b);
         };
-        const auto key_of_contact = [&](std::size_t, const Contact& c) {
-            return keys_.key(bodies, c.a.index, c.b.index);
-        };
-        append_merged(of_rays, key_of_contact, contacts_);
-        append_merged(of_sheets, key_of_contact, contacts_);
-        append_merged(pairs, key_of, pairs_);
+        append_merged(of_all, key_of, contacts_, pairs_);
         add_parts(of_ranks, stats);
     }
 
@@ -259,10 +303,12 @@ private:
     std::unique_ptr<Backend> backend_;
     Partition partition_;
     mutable PartScene scene_;
+    bool certificates_pay_, calls_pair_filters_;
     std::unique_ptr<Backend> outside_ = bvh_backend();
     std::uint64_t revision_ = 0;
     stages::PairKeys keys_;
-    std::optional<StepMemory> given_;  ///< for the next step
+    std::optional<StepMemory> given_;   ///< for the next step
+    std::vector<PlannedPart> planned_;  ///< of all ranks, with the sizes of the last step
     std::vector<Contact> contacts_;
     std::vector<Pair> pairs_;
 };
@@ -270,7 +316,6 @@ private:
 }  // namespace
 
 std::unique_ptr<Backend> ranks_backend(MPI_Comm ranks, std::unique_ptr<Backend> backend) {
-    if (!backend) throw InputError("a rank has no backend");
     return std::make_unique<RanksBackend>(ranks, std::move(backend));
 }
 

@@ -66,10 +66,13 @@ void World::remove_mesh(MeshId mesh) {
     State& s = *state_;
     const MeshEntry entry = s.inside.meshes.get(mesh, "mesh");
     s.local.remove_mesh(mesh);
-    // Another rank that has sent it does so once.
     const auto known = s.known_meshes.find(entry.key);
-    if (known != s.known_meshes.end() && known->second == mesh)
-        known->second = s.inside.meshes.add(entry);
+    if (known == s.known_meshes.end() || known->second.here != mesh) return;
+    // Another rank that has sent it does so once.
+    if (known->second.senders.empty())
+        s.known_meshes.erase(known);
+    else
+        known->second.here = s.inside.meshes.add(entry);
 }
 const Mesh& World::mesh(MeshId mesh) const { return state_->local.mesh(mesh); }
 

@@ -13,7 +13,6 @@
 #include "core/partition/partition.hpp"
 #include "core/partition/region.hpp"
 #include "core/partition/space_cut.hpp"
-#include "core/partition/space_partition.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/world/world_state.hpp"
 #include "mpi/communicator.hpp"
@@ -29,6 +28,12 @@ struct OtherRank {
     std::vector<std::uint32_t> has;  ///< numbers of own bodies that are its ghosts, sorted
     std::set<std::uint64_t> meshes;  ///< keys of those that it need not get again
     std::set<std::uint64_t> got;     ///< keys of those that it was ever sent, and may still have
+};
+
+/// A mesh that others have sent.
+struct KnownMesh {
+    MeshId here;
+    std::set<std::uint32_t> senders;  ///< ranks that take it to be known here
 };
 
 /// Where other ranks have seen a body last.
@@ -67,11 +72,11 @@ struct World::State {
     News news;
     bool has_news = true;
     bool forgets_sides = false;
-    std::set<std::uint32_t> changed_bodies;        ///< own ones that others have to get anew
-    std::vector<std::uint32_t> removed;            ///< numbers of own bodies since the last step
-    std::set<BodyIdPair> excluded;                 ///< of all ranks
-    std::set<std::int32_t> left_out;               ///< worlds, wherever their bodies are
-    std::map<std::uint64_t, MeshId> known_meshes;  ///< those of other ranks, by key
+    std::set<std::uint32_t> changed_bodies;           ///< own ones that others have to get anew
+    std::vector<std::uint32_t> removed;               ///< numbers of own bodies since the last step
+    std::set<BodyIdPair> excluded;                    ///< of all ranks
+    std::set<std::int32_t> left_out;                  ///< worlds, wherever their bodies are
+    std::map<std::uint64_t, KnownMesh> known_meshes;  ///< those of other ranks, by key
 
     bool hands_over = false;           ///< the next step's ghosts come with what is remembered
     std::optional<StepMemory> handed;  ///< what the next step is to remember
@@ -154,7 +159,8 @@ struct World::State {
     /// Adds the mesh of a body to a message unless the receiver has it.
     void add_mesh_to(std::vector<SavedMesh>& meshes, std::uint32_t number,
                      std::set<std::uint64_t>& has) const;
-    void take_meshes(std::vector<SavedMesh> meshes);
+    void take_meshes(std::uint32_t from, std::vector<SavedMesh> meshes);
+    void forget_mesh(std::uint32_t from, std::uint64_t key);
     /// Takes away bodies of other ranks that are not near; the next step makes a new plan if there
     /// is one.
     void drop_away();

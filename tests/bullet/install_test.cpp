@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <BulletCollision/CollisionDispatch/btGhostObject.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -348,6 +349,19 @@ TEST(InstallTest, AnAnchorKeepsWhatItHoldsFromColliding) {
     }
 }
 
+TEST(InstallTest, AFastObjectMayBeBoundToAFixedBody) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts,
+                                                      {.automatic = false});
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& rigid = scene.add(*shape->shape, 1, at(0, 0, 0));
+    installed.bind(rigid, scene.contacts.add_fixed_body(scene.contacts.add_mesh("ring", ring)));
+    rigid.setCcdMotionThreshold(btScalar(0.01));
+    rigid.setLinearVelocity({0, 0, -50});
+    scene.add(*shape->shape, 0, at(0, 0, -2));
+    for (int step = 0; step < 5; ++step) EXPECT_NO_THROW(scene.bullet.stepSimulation(dt, 0));
+}
+
 TEST(InstallTest, BodiesOfAnotherKindAreNotBound) {
     StockWorld scene;
     bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts,
@@ -393,6 +407,16 @@ TEST(InstallTest, UninstallGivesTheWorldBack) {
     EXPECT_EQ(scene.contacts.mesh_of(own), kept);
     bullet::uninstall(scene.bullet);
     EXPECT_THROW(bullet::install(scene.bullet, scene.contacts, {.most_per_pair = 5}), InputError);
+}
+
+TEST(InstallTest, UninstallLeavesAnotherWorldOfTheDispatcherAlone) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    btDiscreteDynamicsWorld other(&scene.dispatcher, &scene.broadphase, &scene.solver,
+                                  scene.dispatcher.getCollisionConfiguration());
+    bullet::uninstall(other);
+    EXPECT_THROW(bullet::install(scene.bullet, scene.contacts), InputError) << "still installed";
+    scene.bullet.stepSimulation(dt, 0);
 }
 
 TEST(InstallTest, ASoftBodyMeetsItself) {
@@ -539,6 +563,150 @@ TEST(InstallTest, AFastBodyOfAnyShapeStopsAtAPlate) {
         EXPECT_GT(height_after(shapes[i % 3], turn, bullet::to_bullet(spin), btScalar(0.05)), 0)
             << "shot " << i;
     }
+}
+
+TEST(InstallTest, LooksBetweenStepsTakeNothingFromSteps) {
+    const auto plate = MeshShape::bvh(scenes::box({-5, -5, -0.05f}, {5, 5, 0.05f})),
+               ball = MeshShape::gimpact(scenes::sphere(0.3, 2));
+    btSphereShape sphere(1);
+    btBoxShape box({1, 1, 1});
+    for (int shot = 0; shot < 8; ++shot) {
+        StockWorld scene;
+        // A pair that is Bullet's: in a look between steps it may be the only one.
+        scene.add(sphere, 1, at(30, 0, 0)).setActivationState(DISABLE_DEACTIVATION);
+        scene.add(box, 0, at(30, 0, -1.9f));
+        scene.add(*plate->shape, 0, at(0, 0, 0));
+        bullet::install(scene.bullet, scene.contacts);
+        const auto aside = static_cast<btScalar>(shot);
+        btRigidBody& fast = scene.add(*ball->shape, 1, at(0.1f * aside, 0, 3 + 0.093f * aside));
+        fast.setCcdMotionThreshold(0.1f);
+        fast.setLinearVelocity({0, 0, -100});
+        for (int step = 0; step < 10; ++step) {
+            scene.bullet.stepSimulation(dt, 0);
+            scene.bullet.performDiscreteCollisionDetection();
+        }
+        EXPECT_GT(fast.getWorldTransform().getOrigin().z(), 0) << "shot " << shot;
+    }
+}
+
+TEST(InstallTest, AProgramThatOnlyLooksGetsContacts) {
+    const auto mesh = MeshShape::gimpact(ring);
+    btSphereShape sphere(1);
+    StockWorld scene;
+    scene.add(sphere, 1, at(30, 0, 0));
+    scene.add(sphere, 1, at(31, 0, 0));
+    auto& installed = bullet::install(scene.bullet, scene.contacts);
+    scene.bullet.performDiscreteCollisionDetection();
+    btRigidBody& one = scene.add(*mesh->shape, 1, at(0, 0, 0));
+    scene.add(*mesh->shape, 1, at(0.3f, 0, 0.3f));
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_TRUE(installed.body_of(one));
+    EXPECT_GT(installed.reduced_contacts(), 0u);
+}
+
+int manifolds_begun = 0, manifolds_ended = 0;
+
+TEST(InstallTest, ManifoldsBeginAndEndOnce) {
+    gContactStartedCallback = [](btPersistentManifold* const&) { ++manifolds_begun; };
+    gContactEndedCallback = [](btPersistentManifold* const&) { ++manifolds_ended; };
+    {
+        const auto mesh = MeshShape::gimpact(ring);
+        StockWorld scene;
+        bullet::install(scene.bullet, scene.contacts);
+        scene.add(*mesh->shape, 0, at(0, 0, 0));
+        btRigidBody& moving = scene.add(*mesh->shape, 1, at(0.3f, 0, 0.3f));
+        for (int round = 0; round < 3; ++round) {
+            manifolds_begun = manifolds_ended = 0;
+            moving.setWorldTransform(at(0.3f, 0, 0.3f));
+            scene.bullet.stepSimulation(dt, 0);
+            EXPECT_GT(manifolds_begun, 0);
+            EXPECT_EQ(manifolds_begun - manifolds_ended, scene.dispatcher.getNumManifolds());
+            // Their boxes overlap, but they are apart; and further away.
+            moving.setWorldTransform(round == 0 ? at(0, 0, 0.9f) : at(0, 0, 50));
+            scene.bullet.stepSimulation(dt, 0);
+            EXPECT_EQ(manifolds_begun, manifolds_ended) << round;
+        }
+    }
+    gContactStartedCallback = nullptr;
+    gContactEndedCallback = nullptr;
+}
+
+TEST(InstallTest, PairsOfAGhostsOwnCacheAreBullets) {
+    const auto mesh = MeshShape::bvh(ring);
+    btBoxShape box({1, 1, 1});
+    btGhostPairCallback callback;
+    btPairCachingGhostObject ghost;
+    {
+        StockWorld scene;
+        scene.broadphase.getOverlappingPairCache()->setInternalGhostPairCallback(&callback);
+        auto& installed = bullet::install(scene.bullet, scene.contacts);
+        scene.add(*mesh->shape, 0, at(0, 0, 0));
+        ghost.setCollisionShape(&box);
+        ghost.setWorldTransform(at(0, 0, 0.5f));
+        scene.bullet.addCollisionObject(&ghost, btBroadphaseProxy::CharacterFilter,
+                                        btBroadphaseProxy::AllFilter);
+        installed.bind(ghost, scene.contacts.add_rigid_body(scene.contacts.add_mesh("box", ring)));
+        scene.bullet.stepSimulation(dt, 0);
+        btHashedOverlappingPairCache& pairs = *ghost.getOverlappingPairCache();
+        EXPECT_EQ(pairs.getNumOverlappingPairs(), 1);
+        const std::uint32_t written = installed.reduced_contacts();
+        scene.dispatcher.dispatchAllCollisionPairs(&pairs, scene.bullet.getDispatchInfo(),
+                                                   &scene.dispatcher);
+        EXPECT_EQ(installed.reduced_contacts(), written);
+        bullet::uninstall(scene.bullet);
+        scene.bullet.removeCollisionObject(&ghost);
+        EXPECT_EQ(scene.dispatcher.getNumManifolds(), 0);
+    }
+}
+
+/// A closed slab of squares of side 1 from (0, -3) on, whose top is at z = 0.
+MeshData floor_of_squares(std::uint32_t length) {
+    MeshData mesh;
+    constexpr std::uint32_t width = 6;
+    const auto at = [](std::uint32_t x, std::uint32_t y, std::uint32_t top) {
+        return (x * (width + 1) + y) * 2 + top;
+    };
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        mesh.triangles.push_back({{a, b, c}});
+        mesh.triangles.push_back({{a, c, d}});
+    };
+    for (std::uint32_t x = 0; x <= length; ++x)
+        for (std::uint32_t y = 0; y <= width; ++y)
+            for (const float z : {-1.0f, 0.0f})
+                mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y) - 3, z});
+    for (std::uint32_t x = 0; x < length; ++x) {
+        for (std::uint32_t y = 0; y < width; ++y) {
+            add(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
+            add(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
+        }
+        add(at(x, 0, 0), at(x + 1, 0, 0), at(x + 1, 0, 1), at(x, 0, 1));
+        add(at(x, width, 0), at(x, width, 1), at(x + 1, width, 1), at(x + 1, width, 0));
+    }
+    for (std::uint32_t y = 0; y < width; ++y) {
+        add(at(0, y, 0), at(0, y, 1), at(0, y + 1, 1), at(0, y + 1, 0));
+        add(at(length, y, 0), at(length, y + 1, 0), at(length, y + 1, 1), at(length, y, 1));
+    }
+    return mesh;
+}
+
+TEST(InstallTest, NothingStopsWhatSlidesOverAFloor) {
+    const auto floor = MeshShape::bvh(floor_of_squares(30)),
+               box = MeshShape::gimpact(scenes::box({-0.5f, -0.4f, -0.3f}, {0.5f, 0.4f, 0.3f}));
+    for (const bool is_fast : {false, true})
+        for (int run = 0; run < 6; ++run) {
+            StockWorld scene(9.81f);
+            scene.contacts = World(bvh_backend(), {.margin = is_fast ? 0 : 0.04});
+            bullet::install(scene.bullet, scene.contacts);
+            scene.add(*floor->shape, 0, at(0, 0, 0)).setFriction(0);
+            btRigidBody& slides = scene.add(*box->shape, 1,
+                                            at(3, 0.13f * static_cast<btScalar>(run), 0.3f));
+            slides.setFriction(0);
+            slides.setLinearVelocity({10, 0, 0});
+            if (is_fast) slides.setCcdMotionThreshold(0.1f);
+            for (int step = 0; step < 120; ++step) scene.bullet.stepSimulation(dt, 0);
+            EXPECT_GT(slides.getLinearVelocity().x(), 9.5) << run;
+            EXPECT_NEAR(slides.getWorldTransform().getOrigin().z(), 0.3, 0.02) << run;
+        }
 }
 
 TEST(InstallTest, TwoFastBodiesDoNotPassThroughEachOther) {

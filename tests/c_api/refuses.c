@@ -190,7 +190,7 @@ static void meshes(scene* s) {
     REFUSES(pierce_mesh(w, s->mesh, &info), "struct_size");
     REFUSES(pierce_given_triangle(NULL, s->mesh, 0, &given), "world is null");
     REFUSES(pierce_given_triangle(w, mesh, 0, &given), "was removed");
-    REFUSES(pierce_given_triangle(w, s->mesh, torus_triangles, &given), "out of range");
+    REFUSES(pierce_given_triangle(w, s->mesh, torus_triangles, &given), "has no triangle");
     REFUSES(pierce_given_triangle(w, s->mesh, 0, NULL), "given is null");
 
     WORKS(pierce_default_mesh_check_options(&check, sizeof check));

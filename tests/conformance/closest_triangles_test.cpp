@@ -109,6 +109,21 @@ TEST(ClosestTrianglesTest, OfRandomMeshesAreBruteForces) {
     }
 }
 
+TEST(ClosestTrianglesTest, OfPointsFarAwayAreBruteForces) {
+    test::Random random(63);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int m = 0; m < 40 && !HasFailure(); ++m) {
+        SCOPED_TRACE("mesh " + std::to_string(m));
+        const Mesh mesh("any", test::random_closed_mesh(random));
+        std::vector<Vec3d> points;
+        for (int i = 0; i < 60; ++i)
+            points.push_back(std::exp2(random.uniform(2, 24)) * mesh.view().box.extent() *
+                             random.in_box(1));
+        for (Motion motion : {Motion::rigid, Motion::deforming})
+            expect_all_tracers_agree(body_of(mesh, motion, 1), rays_from(points, 0x1p30));
+    }
+}
+
 TEST(ClosestTrianglesTest, OfEquallyCloseOnesTheFirstIsTaken) {
     // From the diagonal planes of a box, near its middle, two faces or more are equally close.
     test::Random random(62);

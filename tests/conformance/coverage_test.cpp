@@ -222,9 +222,11 @@ TEST_P(CoverageTest, EveryChordWithinAnEdgeIsFoundAndEveryOtherOneWhereNothingEl
         MeshData first = test::random_closed_mesh(random);
         const auto shrink = static_cast<float>(i % 3 == 0 ? 0.1 : 1);
         for (Vec3f& p : first.positions) p = shrink * p;
-        Two two(GetParam(), complete(), first, {random.in_box(0.5), random.rotation()},
-                test::random_closed_mesh(random), {random.in_box(0.5), random.rotation()},
-                i % 2 == 0);
+        // Compilers evaluate arguments in different orders.
+        const Pose second_pose{random.in_box(0.5), random.rotation()};
+        const MeshData second = test::random_closed_mesh(random);
+        const Pose first_pose{random.in_box(0.5), random.rotation()};
+        Two two(GetParam(), complete(), first, first_pose, second, second_pose, i % 2 == 0);
         std::uint32_t within = 0, at_ends = 0;
         for (std::size_t k = 0; k < 2; ++k)
             for (const Edge& e : two.world.mesh(two.world.mesh_of(two.body[k])).view().edges) {

@@ -62,6 +62,48 @@ struct Crowd {
     }
 };
 
+bool is_there(const World& world, BodyId body) {
+    try {
+        (void)world.filter_of(body);
+        return true;
+    } catch (const InputError&) {
+        return false;
+    }
+}
+
+TEST(BodiesOfTest, AreThoseOfTheWorldAfterAnyChange) {
+    test::Random random(12);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    World world;
+    const MeshId mesh = world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1}));
+    std::vector<BodyId> all;
+    const auto any_world = [&] { return random.integer(0, 4) - 1; };
+    for (int i = 0; i < 300; ++i) {
+        const int what = random.integer(0, 9);
+        if (what < 4 || all.empty()) {
+            all.push_back(world.add_rigid_body(mesh));
+        } else if (what < 7) {
+            const auto which = static_cast<std::size_t>(
+                random.integer(0, static_cast<int>(all.size()) - 1));
+            world.set_filter(all[which], {.world = any_world()});
+        } else if (what < 9) {
+            const auto which = random.integer(0, static_cast<int>(all.size()) - 1);
+            world.remove_body(all[static_cast<std::size_t>(which)]);
+            all.erase(all.begin() + which);
+        } else {
+            world.remove_world(2);
+            std::erase_if(all, [&](BodyId body) { return !is_there(world, body); });
+        }
+        for (std::int32_t w = -1; w < 5; ++w) {
+            std::vector<BodyId> expected;
+            for (const BodyId body : all)
+                if (world.filter_of(body).world == w) expected.push_back(body);
+            std::ranges::sort(expected);
+            ASSERT_EQ(world.bodies_of(w), expected) << i;
+        }
+    }
+}
+
 TEST_P(FiltersTest, OnlyUnwantedPairsAreLeftOut) {
     for (std::uint32_t seed = 1; seed <= 3; ++seed) {
         test::Random random(seed);
@@ -330,6 +372,7 @@ TEST_P(FiltersTest, ReplicatedWorldsFindTheSame) {
     const std::size_t contacts = world.contacts().size();
     world.set_world_active(6, true);
     world.remove_world(10);
+    EXPECT_THROW(world.remove_world(all_worlds), InputError);
     world.detect();
     offsets = world.world_offsets();
     EXPECT_EQ(offsets.worlds.size(), 6u);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -86,6 +87,59 @@ TEST(CoveredTrianglesTest, OnlyWhatLiesInOtherPartsIsCovered) {
     EXPECT_EQ(covered(joined(box, small, {1, 0.1, 0.2})), 12u - 2 + 2) << "half in the other";
     EXPECT_EQ(covered(joined(box, small), Inside::closed), 0u) << "not asked for";
     EXPECT_EQ(covered(joined(box, small), Inside::none), 0u);
+}
+
+/// Two boxes side by side along x with common vertices, and with or without the two walls between
+/// them.
+MeshData two_rooms(bool with_walls) {
+    MeshData both = joined(scenes::box({-2, -1, -1}, {0, 1, 1}),
+                           scenes::box({0, -1, -1}, {2, 1, 1}));
+    for (Triangle& t : both.triangles)
+        for (std::uint32_t& v : t.vertex)
+            v = static_cast<std::uint32_t>(std::ranges::find(both.positions, both.positions[v]) -
+                                           both.positions.begin());
+    if (!with_walls)
+        std::erase_if(both.triangles, [&](const Triangle& t) {
+            return std::ranges::all_of(t.vertex,
+                                       [&](std::uint32_t v) { return both.positions[v].x == 0; });
+        });
+    return both;
+}
+
+TEST(CoveredTrianglesTest, WallsWithinAreAndFlapsOutsideAreNot) {
+    EXPECT_EQ(covered(two_rooms(true)), 4u);
+    EXPECT_EQ(covered(two_rooms(false)), 0u);
+    MeshData with_flap = scenes::box({-1, -1, -1}, {1, 1, 1});
+    const auto first = static_cast<std::uint32_t>(with_flap.positions.size());
+    for (Vec3f p : {Vec3f{1, 0, 0}, Vec3f{3, 0, 0}, Vec3f{1, 0, 0.5f}})
+        with_flap.positions.push_back(p);
+    with_flap.triangles.push_back({{first, first + 1, first + 2}});
+    with_flap.triangles.push_back({{first, first + 2, first + 1}});
+    EXPECT_EQ(covered(with_flap), 0u);
+}
+
+TEST_P(OverlappingPartsTest, ContactsDoNotEndAtWallsWithin) {
+    const auto contacts_of = [&](bool with_walls) {
+        World world(GetParam().make());
+        world.add_rigid_body(world.add_mesh("rooms", two_rooms(with_walls)));
+        world.add_rigid_body(
+            world.add_mesh("small", scenes::box({-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25})),
+            {{0.1, 0.1, 0.9}, {}});
+        world.detect();
+        // The walls have edges, which go through the other body.
+        std::vector<Contact> of_vertices;
+        std::ranges::copy_if(world.contacts(), std::back_inserter(of_vertices),
+                             [](const Contact& c) { return !c.is_edge(); });
+        return of_vertices;
+    };
+    const std::vector<Contact> with = contacts_of(true), without = contacts_of(false);
+    ASSERT_EQ(without.size(), 4u);
+    ASSERT_EQ(with.size(), without.size());
+    for (std::size_t i = 0; i < with.size(); ++i) {
+        EXPECT_EQ(with[i].vertex, without[i].vertex);
+        EXPECT_EQ(with[i].penetration_depth(), without[i].penetration_depth());
+        EXPECT_EQ(with[i].point_a, without[i].point_a);
+    }
 }
 
 TEST_P(OverlappingPartsTest, VerticesAreInContactWhereTheUnionIs) {

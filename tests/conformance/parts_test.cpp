@@ -211,6 +211,11 @@ TEST(PartsOptionsTest, AreChecked) {
     EXPECT_THROW(partitioned_backend(0, 1, make), InputError);
     EXPECT_EQ(World(partitioned_backend(3, 8, make)).backend(),
               "3 parts; bvh, 1 thread; bvh, 1 thread; bvh, 1 thread");
+    EXPECT_THROW(partitioned_backend(2, 1, {}), InputError);
+    std::vector<Part> heavy;
+    for (int k = 0; k < 3; ++k) heavy.push_back({.backend = bvh_backend(), .share = 1e308});
+    EXPECT_THROW(partitioned_backend(std::move(heavy)), InputError) << "their sum is not finite";
+    EXPECT_THROW(bvh_backend({.builder = static_cast<TreeBuilder>(4)}), InputError);
     partitioned_backend(2, 1, make);
     EXPECT_EQ(asked, (std::vector<int>{2, 2, 2, 1, 1}));
     const auto with_share = [](double share) {

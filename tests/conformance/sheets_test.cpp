@@ -214,6 +214,26 @@ TEST_P(SheetsTest, AVertexThatPassesThroughAPlateInOneStepIsReported) {
     EXPECT_EQ(met.size(), mesh.positions.size());
 }
 
+TEST_P(SheetsTest, ASpokeThatLeansOverTheBorderOfItsFanIsNear) {
+    // The middle of four triangles passes close to the border, and a spoke leans over it.
+    constexpr float half = 0.15339f;
+    const MeshData fan{{{-half, 0, 0}, {0, -half, 0}, {0, 0, 0}, {0, half, 0}, {half, 0, 0}},
+                       {{{1, 2, 0}}, {{0, 2, 3}}, {{1, 4, 2}}, {{2, 4, 3}}}};
+    const std::vector<Vec3f> bent{{1.99116464f, -0.592964469f, 1.99552486f},
+                                  {1.97823951f, -0.538289954f, 2.0565067f},
+                                  {2.06859387f, -0.50237251f, 1.95300521f},
+                                  {2.27439613f, -0.441026612f, 1.97235518f},
+                                  {1.99158932f, -0.145890401f, 1.9399866f}};
+    const auto at = [&](std::size_t v) { return to_double(bent[v]); };
+    const double apart = segment_distance(at(0), at(3), at(1), at(2));
+    EXPECT_NEAR(apart, 0.04687, 1e-5);
+    const BodyId body = add_sheet(world_, fan, 0.0518);
+    const std::span<const Contact> contacts = step(world_, body, bent, bent);
+    ASSERT_EQ(contacts.size(), 1u);
+    EXPECT_TRUE(contacts[0].is_edge());
+    EXPECT_NEAR(contacts[0].distance, apart, 1e-6);
+}
+
 TEST_P(SheetsTest, ASheetInsideASolidIsPushedOutTheShortWayWhicheverWayItFaces) {
     // Hard case 20: at z = 0.98 in the unit cube.
     for (const bool faces_up : {true, false}) {

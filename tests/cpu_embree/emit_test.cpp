@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 #include "core/device/view.hpp"
@@ -31,6 +32,28 @@ struct Things {
         for (std::uint32_t k = 0; k < found; ++k) items[place + k] = i;
     }
 };
+
+/// Each item finds a third of what a list may have.
+struct TooMany {
+    static std::uint32_t find(std::uint32_t i) { return i; }
+    static std::uint32_t count(std::uint32_t) { return 0x55555556u; }
+    static void write(std::uint32_t, std::uint32_t, std::uint32_t) {}
+};
+
+TEST(EmitTest, ListsThatAreTooLongAreRefused) {
+    SerialExecutor serial;
+    EXPECT_NO_THROW(serial.emit(ListId::pairs, 2, TooMany{}));
+    EXPECT_THROW(serial.emit(ListId::pairs, 3, TooMany{}), std::length_error);
+    TbbExecutor executor(2);
+    for (const std::uint32_t n : {3u, 100u, 20000u})
+        EXPECT_THROW(executor.run([&] { executor.emit(ListId::pairs, n, TooMany{}); }),
+                     std::length_error);
+    const std::vector<std::uint32_t> counts{0x80000000u, 0x7fffffffu, 1u};
+    std::vector<std::uint32_t> places(counts.size());
+    EXPECT_EQ(serial.exclusive_scan(ListId::pairs, 2, view_of(counts), view_of(places)), ~0u);
+    EXPECT_THROW(serial.exclusive_scan(ListId::pairs, 3, view_of(counts), view_of(places)),
+                 std::length_error);
+}
 
 TEST(EmitTest, ThingsComeInTheOrderOfTheirItems) {
     test::Random random(1);

@@ -38,18 +38,22 @@ void begin_motion(ModelBody& b) {
     b.moved = true;
     b.start_pose = b.pose;
     b.start = b.positions;
+    if (b.finite) return;
+    // The last step has not seen it.
+    b.start_pose.position.x = NAN;
+    if (!b.start.empty()) b.start[0].x = NAN;
 }
 
 void move(ModelBody& b, const Pose& pose) {
     begin_motion(b);
     b.pose = pose;
-    if (!b.finite) b.start_pose = pose;
+    if (!is_good(b.start_pose)) b.start_pose = pose;
     b.finite = is_good(pose);
 }
 void move(ModelBody& b, const std::vector<Vec3f>& positions) {
     begin_motion(b);
     b.positions = positions;
-    if (!b.finite) b.start = positions;
+    if (!is_good(b.start)) b.start = positions;
     b.finite = is_good(positions);
 }
 

@@ -1,7 +1,8 @@
 // Bodies, meshes and worlds that change between the steps of a world over several ranks: all ranks
-// find what one world finds. Ranks beyond the second have no bodies.
+// find what one world finds. Ranks beyond the second get bodies only from others.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <memory>
@@ -233,6 +234,42 @@ TEST_F(RanksChangeTest, AMeshThatHasArrivedIsRemovedAndComesAgain) {
     set_pose(3, at(8.5));
     EXPECT_GT(step(), 10u);
     EXPECT_GT(step(), 10u);
+}
+
+TEST_F(RanksChangeTest, AMeshThatTwoRanksHaveSentIsRemovedByOne) {
+    if (many->ranks() < 3) GTEST_SKIP() << "there is no third rank";
+    const MeshId mesh = add_mesh(cube());
+    constexpr std::uint32_t cubes = 24;
+    for (std::uint32_t b = 0; b < cubes; ++b) add_rigid(0, b, mesh, at(10.0 * b));
+    step();
+    save_and_restore();  // a mesh that several ranks have
+    // The first body of each rank, as all know it.
+    std::vector<std::uint32_t> first(static_cast<std::size_t>(many->ranks()), cubes);
+    std::vector<int> owner(cubes, 0);
+    for (std::uint32_t b = 0; b < cubes; ++b) {
+        owner[b] = many->owns(body(b)) ? many->rank() : 0;
+        MPI_Allreduce(MPI_IN_PLACE, &owner[b], 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+        std::uint32_t& its = first[static_cast<std::size_t>(owner[b])];
+        its = std::min(its, b);
+    }
+    for (const std::uint32_t b : first) ASSERT_LT(b, cubes);
+    const double near = 10.0 * first[0];
+    set_pose(first[1], at(near + 0.8));
+    set_pose(first[2], at(near - 0.8));
+    EXPECT_GT(step(), 0u);
+    for (std::uint32_t b = 0; b < cubes; ++b) {
+        if (owner[b] != 2) continue;
+        const MeshId arrived = is_rank(2) ? many->nearby().mesh_of(body(b)) : MeshId();
+        on_owner(b, [](auto& world, BodyId gone) { world.remove_body(gone); });
+        const bool is_last = std::ranges::find(owner.begin() + b + 1, owner.end(), 2) ==
+                             owner.end();
+        if (is_last && is_rank(2)) many->remove_mesh(arrived);
+    }
+    EXPECT_GT(step(), 0u);
+    set_pose(first[1], at(-500));
+    step();
+    set_pose(first[1], at(near + 0.7));
+    EXPECT_GT(step(), 0u);
 }
 
 TEST_F(RanksChangeTest, WorldsAreLeftOutWhereverTheirBodiesAre) {

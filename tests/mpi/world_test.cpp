@@ -20,6 +20,7 @@
 #include "pierce/step_stats.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
+#include "support/counting_backend.hpp"
 #include "support/device_memory.hpp"
 #include "support/failing_backend.hpp"
 
@@ -202,6 +203,8 @@ public:
         }
         if (step == 20 && rank_ == 0) world.include(ids_[3], ids_[4]);
     }
+
+    BodyId id(std::uint32_t b) const { return ids_[b]; }
 
     /// The handles that bodies have after so many steps, in a world that was read.
     void learn_as_of(int steps) {
@@ -480,6 +483,107 @@ INSTANTIATE_TEST_SUITE_P(
         Case{Kind::torn, {}, "torn"}),
     [](const testing::TestParamInfo<Case>& tested) { return tested.param.name; });
 
+/// Does without certificates and pair filters, as a device does.
+class LikeADevice : public test::CountingBackend {
+public:
+    using CountingBackend::CountingBackend;
+    bool certificates_pay() const override { return false; }
+    bool calls_pair_filters() const override { return false; }
+};
+
+TEST(SharedWorldTest, OneRankHasADeviceAndOthersHaveNone) {
+    test::Calls calls;
+    const auto shared = [&]() -> std::unique_ptr<Backend> {
+        if (rank_of(MPI_COMM_WORLD) > 0) return bvh_backend();
+        return std::make_unique<LikeADevice>(bvh_backend(), calls);
+    };
+    for (const Kind kind : {Kind::rigid, Kind::soft}) {
+        const Case tested{kind, {.may_rest = false}, ""};
+        One one = one_world(tested),
+            all{World(mpi::ranks_backend(MPI_COMM_WORLD, shared()), tested.settings), tested, 0, 0};
+        EXPECT_THROW(all.world.set_pair_filter([](BodyId, BodyId) { return true; }), InputError);
+        one.add_all();
+        all.add_all();
+        for (int step = 0; step < 30; ++step) {
+            one.put(step);
+            all.put(step);
+            one.world.detect();
+            all.world.detect();
+            const bool same = contact_hash(all.world.contacts()) ==
+                              contact_hash(one.world.contacts());
+            ASSERT_EQ(sum(same, MPI_COMM_WORLD),
+                      static_cast<std::uint64_t>(size_of(MPI_COMM_WORLD)))
+                << step;
+        }
+        // Every rank knows what all of them did.
+        const auto ranks = static_cast<std::size_t>(size_of(MPI_COMM_WORLD));
+        EXPECT_EQ(all.world.stats().part_milliseconds.size(), ranks);
+        for (const double milliseconds : all.world.stats().part_milliseconds)
+            EXPECT_GT(milliseconds, 0);
+        const std::vector<PlannedPart>& parts = all.world.plan().parts;
+        ASSERT_EQ(parts.size(), ranks);
+        std::size_t bodies = 0;
+        for (const PlannedPart& part : parts) bodies += part.bodies;
+        EXPECT_EQ(bodies, one.world.body_boxes().size());
+        EXPECT_EQ(parts[0].backend, LikeADevice(bvh_backend(), calls).description());
+        EXPECT_EQ(parts.back().backend, shared()->description());
+        EXPECT_GT(parts.back().triangles, 0u);
+    }
+}
+
+TEST(SharedWorldTest, AnyRankAnswersQuestionsAboutAllBodies) {
+    const auto bodies = static_cast<std::uint32_t>(Swarms::bodies);
+    for (const Kind kind : {Kind::soft, Kind::mixed}) {
+        const Case tested{kind, {}, ""};
+        One one = one_world(tested),
+            all{World(mpi::ranks_backend(MPI_COMM_WORLD, bvh_backend()), tested.settings), tested,
+                0, 0};
+        one.add_all();
+        all.add_all();
+        int hits = 0, contacts = 0;
+        for (int step = 0; step < 30; ++step) {
+            one.put(step);
+            all.put(step);
+            one.world.detect();
+            all.world.detect();
+            if (step % 7 != 1) continue;
+            SCOPED_TRACE(step);
+            for (std::uint32_t b = 1; b < bodies; ++b) {
+                const Vec3d middle = one.world.vertex_position(one.id(b), 0);
+                const std::vector<Vec3d> along = {-middle, {0, 0.1, 1}, {1, 0.2, 0.1}};
+                const Vec3d outside = middle - 30.0 * along[1];
+                for (const Vec3d from : {outside, middle}) {
+                    const auto expected = one.world.cast_rays(from, along),
+                               found = all.world.cast_rays(from, along);
+                    for (std::size_t k = 0; k < along.size(); ++k) {
+                        ASSERT_EQ(found[k].has_value(), expected[k].has_value()) << b;
+                        if (!found[k]) continue;
+                        EXPECT_EQ(found[k]->body, expected[k]->body);
+                        EXPECT_NEAR(found[k]->t, expected[k]->t, 1e-4);
+                        ++hits;
+                    }
+                }
+                const Vec3d normal = {0, 0, 1};
+                const auto expected = one.world.probe({&middle, 1}, {&normal, 1}, 2),
+                           found = all.world.probe({&middle, 1}, {&normal, 1}, 2);
+                ASSERT_EQ(found[0].has_value(), expected[0].has_value()) << b;
+                if (found[0]) {
+                    EXPECT_EQ(found[0]->body, expected[0]->body);
+                }
+                for (std::uint32_t o = 1; o < bodies; ++o) {
+                    if (o == b) continue;
+                    const Reason wanted = one.world.explain(one.id(b), one.id(o), 3).reason,
+                                 said = all.world.explain(one.id(b), one.id(o), 3).reason;
+                    EXPECT_EQ(said == Reason::contact, wanted == Reason::contact) << b << " " << o;
+                    contacts += wanted == Reason::contact;
+                }
+            }
+        }
+        EXPECT_GT(hits, 50);
+        EXPECT_GT(contacts, 0);
+    }
+}
+
 /// What a call throws.
 template <class Error, class Call>
 std::string message_of(const Call& call) {
@@ -585,7 +689,7 @@ TEST(RanksFailTest, WhatOnesBodiesAreNotIsRefused) {
         settings.margin = rank == 1 ? -1 : 0.25;
         EXPECT_EQ(message_of<InputError>(
                       [&] { mpi::World impossible(MPI_COMM_WORLD, bvh_backend(), settings); }),
-                  "rank 1: margin must be finite and not negative");
+                  "rank 1: margin must be neither negative nor beyond 2^60");
     }
 }
 

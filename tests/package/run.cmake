@@ -44,6 +44,13 @@ foreach(example two_boxes two_boxes_in_c)
     endif()
 endforeach()
 if(HOW STREQUAL install)
+    # A project that has no C++.
+    run(${CMAKE_COMMAND} -S ${SOURCE}/tests/package/consumer_in_c -B ${WORK}/build_in_c ${options})
+    run(${CMAKE_COMMAND} --build ${WORK}/build_in_c)
+    run(${WORK}/build_in_c/two_boxes)
+    if(NOT output MATCHES "vertex 0, depth 0.100")
+        message(FATAL_ERROR "the project in C printed\n${output}")
+    endif()
     # In C without CMake.
     file(GLOB_RECURSE package ${WORK}/prefix/pierce.pc)
     cmake_path(GET package PARENT_PATH packages)

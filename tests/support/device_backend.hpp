@@ -10,14 +10,15 @@
 #include "core/base/usable.hpp"
 #include "core/body/fetched_place.hpp"
 #include "core/body/reach.hpp"
-#include "support/failing_backend.hpp"
+#include "pierce/reference_backends.hpp"
+#include "support/forwarding_backend.hpp"
 
 namespace pierce::test {
 
 /// Own trees on the host that pass for a backend on a device; its memory is the host's.
-class DeviceBackend : public FailingBackend {
+class DeviceBackend : public ForwardingBackend {
 public:
-    DeviceBackend() : FailingBackend(false) {}
+    DeviceBackend() : ForwardingBackend(bvh_backend()) {}
     std::string description() const override { return "a device"; }
     bool runs_on_device() const override { return true; }
     bool certificates_pay() const override { return false; }
@@ -34,7 +35,7 @@ public:
         std::ranges::sort(changed);
         changed.erase(std::ranges::unique(changed).begin(), changed.end());
         scene.changed = view_of(std::as_const(changed));
-        FailingBackend::step(scene, stats);
+        ForwardingBackend::step(scene, stats);
     }
 
     double measure_reach(View<const BodyView> bodies, View<const std::uint32_t> some,

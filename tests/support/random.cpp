@@ -36,10 +36,13 @@ MeshData random_closed_mesh(Random& random) {
             }
             return mesh;
         }
-        case 1:
-            return scenes::torus(0.8, random.uniform(0.1, 0.4),
-                                 static_cast<std::uint32_t>(random.integer(5, 30)),
-                                 static_cast<std::uint32_t>(random.integer(4, 12)));
+        case 1: {
+            // Compilers evaluate arguments in different orders.
+            const int across = random.integer(4, 12), around = random.integer(5, 30);
+            const double tube = random.uniform(0.1, 0.4);
+            return scenes::torus(0.8, tube, static_cast<std::uint32_t>(around),
+                                 static_cast<std::uint32_t>(across));
+        }
         case 2: {
             const Vec3d half{random.uniform(0.05, 1), random.uniform(0.3, 1),
                              random.uniform(0.5, 1)};

@@ -129,6 +129,65 @@ TEST(PartingTest, SeveralConvexPartsAreNoConvexBody) {
     EXPECT_NEAR(parting->depth, 0.1, 0.01);
 }
 
+/// A prism over a polygon, from z = -height / 2 to height / 2.
+MeshData prism(const std::vector<Vec3f>& corners, std::vector<Triangle> lid, float height) {
+    MeshData mesh;
+    const auto n = static_cast<std::uint32_t>(corners.size());
+    for (const float z : {-height / 2, height / 2})
+        for (const Vec3f p : corners) mesh.positions.push_back({p.x, p.y, z});
+    for (const Triangle& t : lid) {
+        mesh.triangles.push_back({{t.vertex[0] + n, t.vertex[1] + n, t.vertex[2] + n}});
+        mesh.triangles.push_back({{t.vertex[0], t.vertex[2], t.vertex[1]}});
+    }
+    for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t next = (k + 1) % n;
+        mesh.triangles.push_back({{k, next, next + n}});
+        mesh.triangles.push_back({{k, next + n, k + n}});
+    }
+    return mesh;
+}
+
+// On the way apart, faces come to lie on each other where the bodies overlap most.
+TEST(PartingTest, BodiesWithCommonMeasuresAreApartAfterwards) {
+    const MeshData ell = prism({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}},
+                               {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 4}}, {{0, 4, 5}}}, 1);
+    const MeshData cube = scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}),
+                   bar = scenes::box({-0.5f, -0.15f, -0.15f}, {0.5f, 0.15f, 0.15f});
+    test::Random random(8);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int overlapping = 0;
+    for (int i = 0; i < 60; ++i) {
+        const Vec3d where{0.7 + 0.6 * random.uniform(-1, 1), 0.9 + 0.7 * random.uniform(-1, 1),
+                          0.2 * random.uniform(-1, 1)};
+        const Placed pair{ell, i % 2 == 0 ? cube : bar, {}, {where, {}}};
+        const std::optional<Parting> parting = pair.parting();
+        if (!parting) continue;
+        ++overlapping;
+        EXPECT_FALSE(pair.overlap_after((parting->depth + little) * parting->direction)) << i;
+    }
+    EXPECT_GT(overlapping, 40);
+}
+
+TEST(PartingTest, FarAwayConvexBodiesMoveAsFarAsNearOnes) {
+    test::Random random(9);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const MeshData cube = scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f});
+    for (int i = 0; i < 20; ++i) {
+        const Pose one{{}, random.rotation()}, other{random.in_box(0.6), random.rotation()};
+        const std::optional<Parting> near = Placed{cube, cube, one, other}.parting();
+        if (!near) continue;
+        const Vec3d far{300, -200, 100};
+        const auto moved_by = [&](Pose pose) {
+            pose.position += far;
+            return pose;
+        };
+        const std::optional<Parting> away = Placed{cube, cube, moved_by(one), moved_by(other)}
+                                                .parting(true);
+        ASSERT_TRUE(away) << i;
+        EXPECT_NEAR(away->depth, near->depth, 2e-4) << i;
+    }
+}
+
 TEST(PartingTest, AnyBodiesAreApartAfterwards) {
     test::Random random(72);
     SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));

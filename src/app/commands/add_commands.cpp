@@ -13,6 +13,7 @@
 #include "app/commands/completion.hpp"
 #include "app/commands/doctor.hpp"
 #include "app/commands/explain.hpp"
+#include "app/commands/option_rules.hpp"
 #include "app/commands/report_command.hpp"
 #include "app/commands/sweep.hpp"
 #include "app/commands/validate.hpp"
@@ -244,9 +245,12 @@ void add_sweep(CLI::App& app, int& code) {
         ->capture_default_str()
         ->check(CLI::Range(1u, 1024u));
     command->add_option("--only", options->only, "the number of one run");
-    command->add_flag("--list", options->list, "print the runs that are missing, and run nothing");
-    command->add_flag("--slurm", options->slurm,
-                      "print a script for Slurm that runs what is missing, and run nothing");
+    CLI::Option* list = command->add_flag("--list", options->list,
+                                          "print the runs that are missing, and run nothing");
+    command
+        ->add_flag("--slurm", options->slurm,
+                   "print a script for Slurm that runs what is missing, and run nothing")
+        ->excludes(list);
     add_examples(*command, {"pierce sweep sweep.json --jobs 2", "pierce sweep sweep.json --list",
                             "pierce sweep sweep.json --slurm"});
     command->callback([options, &code] { code = sweep(*options); });
@@ -313,6 +317,7 @@ void add_commands(CLI::App& app, int& code) {
     add_report(app, code);
     add_doctor(app, code);
     add_completion(app, code);
+    refuse_what_has_no_effect(app);
 }
 
 }  // namespace pierce::app

@@ -56,6 +56,16 @@ void require_known_command(const CLI::App& app, int argc, char** argv) {
     }
 }
 
+/// True if what the command prints is all that it is for.
+bool prints_an_answer(const CLI::App* command) {
+    const auto is_given = [&](const char* option) {
+        const CLI::Option* known = command->get_option_no_throw(option);
+        return known != nullptr && known->count() > 0;
+    };
+    const std::string& name = command->get_name();
+    return name == "scenes" || name == "completion" || is_given("--list") || is_given("--slurm");
+}
+
 /// What was printed is there: a full disk shows here at the latest.
 void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -70,9 +80,11 @@ int run(int argc, char** argv) {
     app.fallthrough();
     bool quiet = false;
     app.add_flag("-q,--quiet", quiet,
-                 "print nothing but errors, and show no progress; files are written");
+                 "print nothing but errors and what was asked for as such, and show no progress; "
+                 "files are written");
     app.parse_complete_callback([&] {
-        if (quiet || pierce::app::is_quiet()) pierce::app::be_quiet();
+        const bool answers = std::ranges::any_of(app.get_subcommands(), prints_an_answer);
+        if (!answers && (quiet || pierce::app::is_quiet())) pierce::app::be_quiet();
         for (const CLI::App* command : app.get_subcommands())
             if (command->get_name() != "run" && command->get_name() != "replay")
                 pierce::app::require_one_rank("'" + command->get_name() + "'");

@@ -17,15 +17,17 @@ class Crew {
 public:
     explicit Crew(std::size_t members)
         : stays_awake_(2 * members <= std::thread::hardware_concurrency()), failures_(members) {
-        for (std::size_t member = 1; member < members; ++member)
-            others_.emplace_back([this, member] { stand_by(member); });
+        try {
+            for (std::size_t member = 1; member < members; ++member)
+                others_.emplace_back([this, member] { stand_by(member); });
+        } catch (...) {
+            end();  // of those that have begun
+            throw;
+        }
     }
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
-    ~Crew() {
-        ends_ = true;
-        call_out();
-    }
+    ~Crew() { end(); }
 
     /// Calls work(member) for every member at the same time, and waits for all of them. Throws what
     /// the first of them has thrown.
@@ -40,6 +42,10 @@ public:
     }
 
 private:
+    void end() {
+        ends_ = true;
+        call_out();
+    }
     void call_out() {
         ++calls_;
         calls_.notify_all();

@@ -22,11 +22,15 @@ public:
 
     Id<Tag> add(Thing thing) {
         std::uint32_t index = first_free_;
-        while (index < slots_.size() && slots_[index].used) ++index;
+        const auto is_taken = [](const Slot& slot) {
+            return slot.used || slot.generation == 0;  // all of its generations are used up
+        };
+        while (index < slots_.size() && is_taken(slots_[index])) ++index;
         if (index == slots_.size()) slots_.emplace_back();
         first_free_ = index + 1;
         slots_[index].thing = std::move(thing);
         slots_[index].used = true;
+        ++arrivals_;
         return {index, slots_[index].generation};
     }
 
@@ -43,6 +47,7 @@ public:
     void put(Id<Tag> id, Thing thing) {
         if (id.index >= slots_.size()) slots_.resize(id.index + std::size_t{1});
         slots_[id.index] = {std::move(thing), id.generation, true};
+        ++arrivals_;
     }
 
     /// Makes a handle invalid for ever, whether or not it was ever put here.
@@ -75,12 +80,16 @@ public:
         return const_cast<SlotMap*>(this)->get(id, what);
     }
 
+    /// How many things have been added or put here.
+    std::uint64_t arrivals() const { return arrivals_; }
+
     std::vector<Slot>& slots() { return slots_; }
     const std::vector<Slot>& slots() const { return slots_; }
 
 private:
     std::vector<Slot> slots_;
     std::uint32_t first_free_ = 0;  ///< no slot before this one is free
+    std::uint64_t arrivals_ = 0;
 };
 
 }  // namespace pierce

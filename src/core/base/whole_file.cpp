@@ -2,6 +2,9 @@
 
 #include <unistd.h>
 
+#include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <fstream>
 #include <string>
 #include <system_error>
@@ -38,13 +41,21 @@ fs::path behind_links(fs::path file) {
     return file;
 }
 
+/// Nobody else writes to a file with this ending: processes of two containers may have one number.
+std::string unique_ending() {
+    static std::atomic<std::uint64_t> next = 0;
+    const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+    return ".part-" + std::to_string(::getpid()) + "-" + std::to_string(now) + "-" +
+           std::to_string(next++);
+}
+
 }  // namespace
 
 WholeFile::WholeFile(fs::path file) : file_(std::move(file)), part_(file_) {
     if (!can_be_replaced(file_)) return;
     file_ = behind_links(file_);
     part_ = file_;
-    part_ += ".part-" + std::to_string(::getpid());
+    part_ += unique_ending();
     if (!std::ofstream(part_)) part_ = file_;
 }
 

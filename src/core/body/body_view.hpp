@@ -19,7 +19,7 @@ struct BodyShape {
     View<const PatchBlock> blocks;  ///< in the body's space
     View<const Offsets> patches;    ///< in the body's space
     View<const BoxNode> box_nodes;  ///< boxes around the triangles, in the body's space; of a
-                                    ///< deforming body only with complete coverage
+                                    ///< deforming body only where the plan needs boxes
     double range = 0;               ///< [length] longest ray of an open body
     double margin = 0;              ///< [length] how near other solids are in contact
     Collision collision;
@@ -59,7 +59,8 @@ struct BodyInput {
     Frame space;                          ///< body's space to world
     Frame start_space;  ///< of a fixed or rigid body: where its space was when the step began
     std::uint64_t positions_version = 0;  ///< changes whenever a deforming body's positions do
-    bool active = true;                   ///< false: left out of this step (not finite)
+    bool active = true;  ///< false: left out of this step: not finite, too far away, in a world
+                         ///< that is not active, or not near this part
 };
 
 /// What a step finds out about where a body is; the stage bounds writes it.
@@ -68,10 +69,10 @@ struct BodyBounds {
     Frame last_fit;  ///< the fit of the last step, if `seen`
     Box fit_box;     ///< around the vertices, in `fit`
     Box world_box;
-    double deviation = 0;     ///< no vertex is further than this from its place in the rest shape
-                              ///< under `fit`
-    double shape_motion = 0;  ///< no vertex has moved further than this in `fit` since the last
-                              ///< step
+    double deviation = 0;  ///< [length] no vertex is further than this from its place in the rest
+                           ///< shape under `fit`
+    double shape_motion = 0;  ///< [length] no vertex has moved further than this in `fit` since the
+                              ///< last step
     double reach = 0;         ///< [length] how far predictions look
     double touch = 0;         ///< [length] touch tolerance of this body as a target
     double travel = 0;   ///< [length] no point has moved further than this since the step began, if

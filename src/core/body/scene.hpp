@@ -8,7 +8,6 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "pierce/body.hpp"
-#include "pierce/contact.hpp"
 #include "pierce/filter.hpp"
 #include "pierce/min_max.hpp"
 #include "pierce/plan.hpp"
@@ -64,8 +63,8 @@ struct Scene {
     View<const View<Offsets>> patches;        ///< per body, where its vertices' offsets go
     View<const View<SeenPatch>> seen;     ///< per body, where its shape of the last step is kept;
                                           ///< empty: nowhere
-    View<const NodeItem> node_items;      ///< of deforming bodies with complete coverage, level
-                                          ///< after level, leaves first
+    View<const NodeItem> node_items;      ///< of deforming solids where the plan needs boxes,
+                                          ///< level after level, leaves first
     LevelBegins level_begin{};            ///< where the levels begin there
     View<const View<BoxNode>> box_nodes;  ///< per body, where a deforming body's boxes go
     const Plan* plan = nullptr;

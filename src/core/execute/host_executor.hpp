@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -51,6 +53,13 @@ public:
         resize(count);
     }
 };
+
+/// The length of a list. Throws std::length_error for 2^32 things or more.
+inline std::uint32_t list_length(std::uint64_t things) {
+    if (things > std::numeric_limits<std::uint32_t>::max())
+        throw std::length_error("a step would list 2^32 things or more");
+    return static_cast<std::uint32_t>(things);
+}
 
 template <class T>
 std::uint32_t count_of(const HostBuffer<T>& buffer) {

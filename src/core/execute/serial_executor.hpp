@@ -27,13 +27,13 @@ public:
     /// out[i] = in[0] + ... + in[i-1]; returns the total.
     std::uint32_t exclusive_scan(ListId, std::uint32_t n, View<const std::uint32_t> in,
                                  View<std::uint32_t> out) {
-        std::uint32_t sum = 0;
+        std::uint64_t sum = 0;
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t value = in[i];
-            out[i] = sum;
+            out[i] = static_cast<std::uint32_t>(sum);
             sum += value;
         }
-        return sum;
+        return list_length(sum);
     }
 
     /// Lists the items for which `wanted(item)` holds, in order; returns how many there are. `out`
@@ -57,7 +57,7 @@ public:
         (lists.clear(), ...);
         for (std::uint32_t i = 0; i < n; ++i, place = end) {
             const auto found = finder.find(i);
-            end = place + finder.count(found);
+            end = list_length(std::uint64_t{place} + finder.count(found));
             (lists.resize(end), ...);
             finder.write(i, found, place, lists.data()...);
         }

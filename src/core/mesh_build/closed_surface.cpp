@@ -10,6 +10,7 @@
 #include "core/mesh_build/caps.hpp"
 #include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/covered_triangles.hpp"
+#include "core/mesh_build/covered_walls.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/constants.hpp"
@@ -225,17 +226,19 @@ ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
     return result;
 }
 
-ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule,
-                                  Workers& workers) {
+ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
+                                  const MeshTraits& traits, Inside rule, Workers& workers) {
     ClosedSurface surface;
     if (rule == Inside::winding || (rule == Inside::automatic && !traits.closed()))
         surface = closed_surface(mesh, rule);
     else if (rule != Inside::none && traits.closed())
         surface.inside.rule = Inside::closed;
     if (!surface.inside.exists() || rule == Inside::closed) return surface;
-    surface.covered = covered_triangles(
-        mesh.positions, surface.inside.rule == Inside::winding ? surface.triangles : mesh.triangles,
-        workers);
+    const bool is_given = surface.inside.rule != Inside::winding;
+    surface.covered = covered_triangles(mesh.positions,
+                                        is_given ? mesh.triangles : surface.triangles, workers);
+    // Of the surface by the winding number, walls have been left out.
+    if (is_given) cover_walls(mesh.positions, mesh.triangles, sides, surface.covered);
     surface.inside.covered_triangles = count_covered(surface.covered);
     return surface;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/workers.hpp"
+#include "core/mesh/half_edges.hpp"
 #include "core/mesh/surface.hpp"
 #include "pierce/inside.hpp"
 #include "pierce/mesh.hpp"
@@ -26,10 +27,11 @@ struct ClosedSurface {
 /// than constants::largest_caps of the rest. If it gets none, there are no triangles.
 ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
 
-/// The surface of a mesh by a rule, and what is inside it. Where the rule in effect is not
-/// Inside::winding, the surface is the mesh as it was given, and is not repeated here.
-ClosedSurface surface_with_inside(const MeshData& mesh, const MeshTraits& traits, Inside rule,
-                                  Workers& workers);
+/// The surface of a mesh by a rule, and what is inside it. `sides`: of its triangles. Where the
+/// rule in effect is not Inside::winding, the surface is the mesh as it was given, and is not
+/// repeated here.
+ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
+                                  const MeshTraits& traits, Inside rule, Workers& workers);
 
 /// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and
 /// only holes with small caps are closed.

@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "core/device/four.hpp"
-#include "core/geometry/quick_vec3.hpp"
 #include "pierce/vec3.hpp"
 
 /// How far a triangle is from four others, in float32: a lane each.

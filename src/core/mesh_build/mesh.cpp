@@ -40,13 +40,18 @@ constexpr std::size_t triangles_for_threads = 4096;
 
 void check_mesh_data(const std::string& name, const MeshData& data) {
     if (data.triangles.empty()) throw InputError("mesh '" + name + "' has no triangles");
-    check_positions("'" + name + "'", data.positions);
+    check_positions("mesh '" + name + "'", data.positions);
     for (std::size_t t = 0; t < data.triangles.size(); ++t)
         for (std::uint32_t v : data.triangles[t].vertex)
             if (v >= data.positions.size())
                 throw InputError("mesh '" + name + "': triangle " + std::to_string(t) +
                                  " names vertex " + std::to_string(v) + ", but there are " +
                                  std::to_string(data.positions.size()));
+    // Squares of smaller differences are nothing in float32.
+    Box box;
+    for (const Vec3f p : data.positions) box.extend(to_double(p));
+    if (box.extent() > 0 && box.extent() < 1 / constants::largest_coordinate)
+        throw InputError("mesh '" + name + "' is too small");
     if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
         throw InputError("mesh '" + name + "' has more than " +
                          std::to_string(constants::max_elements) + " vertices or corners");
@@ -77,7 +82,7 @@ struct Mesh::Parts {
     void make(const MeshNeeds& needs);
 
 private:
-    Workers workers() const { return Workers(options.threads, options.progress); }
+    Workers make_workers() const { return Workers(options.threads, options.progress); }
     void see_arrays() {
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
@@ -95,17 +100,19 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
                    const Parts* before)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
+    if (options.inside > Inside::none)
+        throw InputError("mesh '" + name + "': inside has a value without a meaning");
     if (!options.cache.empty()) cache.emplace(options.cache);
     // Starting a thread takes longer than a small mesh does.
-    Workers crew(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
-                 options.progress);
+    Workers workers(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
+                    options.progress);
     Vec3d sum;
     for (Vec3f p : data.positions) {
         view.box.extend(to_double(p));
         sum += to_double(p);
     }
     view.centroid = sum * (1.0 / static_cast<double>(data.positions.size()));
-    const HalfEdges sides = choose_triangles(data, crew);
+    const HalfEdges sides = choose_triangles(data, workers);
     view.mean_edge_length = traits.mean_edge_length;
     view.closed = inside.exists();
     arrays.positions = std::move(data.positions);
@@ -119,10 +126,10 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     const std::vector<std::uint32_t> partner = before != nullptr
                                                    ? change->partners(view, before->view.leaves)
                                                    : std::vector<std::uint32_t>();
-    crew.side_by_side(
+    workers.side_by_side(
         "edges",
         [&] {
-            arrays.edges = edges_of(view, sides, crew,
+            arrays.edges = edges_of(view, sides, workers,
                                     before != nullptr ? &before->view.edges : nullptr);
         },
         [&] {
@@ -132,9 +139,9 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
             arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides, partner);
             arrays.neighbors = neighbors_of(arrays.triangles.size(), sides);
         });
-    divide_into_patches(crew, before);
+    divide_into_patches(workers, before);
     see_arrays();
-    crew.side_by_side(
+    workers.side_by_side(
         "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(before); });
     see_arrays();
 }
@@ -143,7 +150,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
 HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     HalfEdges sides(data.triangles, data.positions.size());
     traits = traits_of(data, sides, view.centroid);
-    ClosedSurface surface = surface_with_inside(data, traits, options.inside, workers);
+    ClosedSurface surface = surface_with_inside(data, sides, traits, options.inside, workers);
     inside = surface.inside;
     arrays.covered = std::move(surface.covered);
     if (inside.rule != Inside::winding) return sides;
@@ -218,18 +225,19 @@ void Mesh::Parts::make(const MeshNeeds& needs) {
         is_cached = true;
     }
     const MeshNeeds had = made;
-    Workers crew = workers();
+    Workers workers = make_workers();
     const auto make_once = [](bool needed, bool& done, auto&& work) {
         if (!needed || done) return;
         work();
         done = true;
     };
     make_once(needs.clearance, made.clearance, [&] { make_clearance(); });
-    make_once(needs.rings, made.rings, [&] { make_rings(crew); });
-    make_once(needs.slabs && !is_changed, made.slabs, [&] { make_slabs(crew); });
+    make_once(needs.rings, made.rings, [&] { make_rings(workers); });
+    make_once(needs.slabs && !is_changed, made.slabs, [&] { make_slabs(workers); });
     make_once(needs.stars, made.stars,
-              [&] { arrays.star_clearance = star_clearance(view, crew, change.get()); });
-    make_once(needs.own_exits, made.own_exits, [&] { arrays.own_exit = own_exits_of(view, crew); });
+              [&] { arrays.star_clearance = star_clearance(view, workers, change.get()); });
+    make_once(needs.own_exits, made.own_exits,
+              [&] { arrays.own_exit = own_exits_of(view, workers); });
     if (made.clearance && made.rings) change.reset();
     see_arrays();
     if (cache && made != had) cache->store(view, made);
@@ -284,6 +292,8 @@ std::span<const Vec3f> Mesh::positions() const { return parts_->arrays.positions
 std::span<const Vec3f> Mesh::normals() const { return parts_->arrays.normals; }
 std::span<const Triangle> Mesh::triangles() const { return parts_->arrays.triangles; }
 std::uint32_t Mesh::given_triangle(std::uint32_t triangle) const {
+    if (triangle >= parts_->arrays.triangles.size())
+        throw InputError("mesh '" + name() + "' has no triangle " + std::to_string(triangle));
     return parts_->places.empty() ? triangle : parts_->places[triangle];
 }
 MeshData Mesh::data() const {

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <chrono>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <span>
 #include <string>
 #include <system_error>
-#include <thread>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/base/archive.hpp"
+#include "core/base/whole_file.hpp"
 #include "core/mesh_build/slab_grid.hpp"
 #include "pierce/error.hpp"
 
@@ -178,19 +176,13 @@ void MeshCache::store(const MeshView& mesh, const MeshNeeds& made) const {
     ArchiveWriter header;
     transfer_all(header, its_mark, its_version, sum);
 
-    // Others may read or write the file at the same time, so it appears as a whole.
-    const std::filesystem::path file = file_of(mesh);
-    std::filesystem::path part = file;
-    part += "." + std::to_string(std::hash<std::thread::id>{}(std::this_thread::get_id())) + "." +
-            std::to_string(std::chrono::steady_clock::now().time_since_epoch().count());
-    std::error_code failed;
-    {
-        std::ofstream out(part, std::ios::binary);
-        out << header.bytes() << archive.bytes();
-        if (!out.flush()) failed = std::make_error_code(std::errc::io_error);
+    try {
+        // Others may read or write the file at the same time, so it appears as a whole.
+        write_whole_file(file_of(mesh),
+                         [&](std::ostream& out) { out << header.bytes() << archive.bytes(); });
+    } catch (const InputError&) {
+        return;  // the next program measures the mesh again
     }
-    if (!failed) std::filesystem::rename(part, file, failed);
-    if (failed) std::filesystem::remove(part, failed);
 }
 
 }  // namespace pierce

@@ -273,7 +273,8 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
         report.traits = traits_of(part.mesh, sides, report.box.center());
         report.closed = report.traits.closed();
         Workers workers(0);
-        report.inside = surface_with_inside(part.mesh, report.traits, options.inside, workers)
+        report.inside = surface_with_inside(part.mesh, sides, report.traits, options.inside,
+                                            workers)
                             .inside;
     }
     check_vertices(part.mesh, report.closed, connections, findings);

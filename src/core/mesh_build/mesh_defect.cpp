@@ -35,7 +35,7 @@ constexpr Description descriptions[mesh_defect_count] = {
      "front of it may be"},
     {MeshDefect::degenerate_triangle, "degenerate triangles", MeshElement::triangle, true,
      "they are never hit, and as their normals are rounding, rays of their vertices may lean the "
-     "wrong way"},
+     "wrong way, which counts without re-projection"},
     {MeshDefect::duplicate_triangle, "duplicate triangles", MeshElement::triangle, true,
      "the surface lies there twice: its edges have more than two triangles, so that walks end "
      "there and the mesh mostly "
@@ -43,16 +43,16 @@ constexpr Description descriptions[mesh_defect_count] = {
     {MeshDefect::opposite_triangle, "opposite triangles", MeshElement::triangle, true,
      "the two cancel: a ray passes through them as if there were nothing"},
     {MeshDefect::bowtie_vertex, "bowtie vertices", MeshElement::vertex, true,
-     "surfaces meet in one vertex that sends one ray, along the mean of their normals, or none "
-     "where these cancel"},
+     "surfaces meet in one vertex that sends one ray, along the mean of their normals or, where "
+     "these cancel, in any direction; without re-projection it sends none there"},
     {MeshDefect::no_inward_direction, "vertices without an inward direction", MeshElement::vertex,
      true,
-     "they are not found inside other bodies: they send no ray, or one that starts outside of "
-     "their own"},
+     "without re-projection they are not found inside other bodies: they send no ray, or one that "
+     "starts outside of their own"},
     {MeshDefect::self_intersection, "self-intersections", MeshElement::triangle_pair, true,
-     "where the mesh overlaps itself, a ray's first crossing may lead into the second layer or out "
-     "of the first only: "
-     "contacts there are missed or too shallow"},
+     "where one closed part runs through itself, a ray's first crossing may lead into the second "
+     "layer or out of the first only: contacts there are missed or too shallow; parts that overlap "
+     "each other count as one solid"},
     {MeshDefect::unused_vertex, "unused vertices", MeshElement::vertex, false,
      "they send no rays; they only widen the mesh's box"},
     {MeshDefect::duplicate_vertex, "duplicate vertices", MeshElement::vertex, false,

@@ -14,8 +14,8 @@ FixedMesh fix_mesh(const MeshData& mesh) {
     check_mesh_data("to fix", mesh);
     const HalfEdges sides(mesh.triangles, mesh.positions.size());
     Workers workers(0);
-    ClosedSurface surface = surface_with_inside(mesh, traits_of(mesh, sides, {}), Inside::automatic,
-                                                workers);
+    ClosedSurface surface = surface_with_inside(mesh, sides, traits_of(mesh, sides, {}),
+                                                Inside::automatic, workers);
     if (!surface.inside.exists()) surface = mended_surface(mesh);
     if (surface.triangles.empty()) surface.triangles = mesh.triangles;
     FixedMesh fixed{{{}, std::move(surface.triangles)}, {}, surface.inside};
@@ -33,7 +33,7 @@ FixedMesh fix_mesh(const MeshData& mesh) {
     if (!fixed.done.exists()) {
         // What was mended may have an inside now.
         const HalfEdges now(fixed.mesh.triangles, fixed.mesh.positions.size());
-        fixed.done.rule = surface_with_inside(fixed.mesh, traits_of(fixed.mesh, now, {}),
+        fixed.done.rule = surface_with_inside(fixed.mesh, now, traits_of(fixed.mesh, now, {}),
                                               Inside::automatic, workers)
                               .inside.rule;
     }

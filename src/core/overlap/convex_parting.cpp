@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <tuple>
 
 #include "core/mesh/half_edges.hpp"
@@ -30,7 +31,10 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     const auto& [points, triangles] = surface;
     Box box;
     for (const Vec3d p : points) box.extend(p);
-    const double tolerance = constants::touch_tolerance * box.extent();
+    // A deforming body's positions are float32 in world space.
+    const double furthest = std::max(length(box.lower), length(box.upper)),
+                 tolerance = constants::touch_tolerance * box.extent() +
+                             std::numeric_limits<float>::epsilon() * furthest;
     std::vector<Vec3d> normals;
     for (const Triangle& t : triangles) {
         const Vec3d p = points[t.vertex[0]];

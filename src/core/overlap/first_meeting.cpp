@@ -4,74 +4,56 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
+#include <span>
+#include <tuple>
 #include <utility>
 
 #include "core/geometry/continuous.hpp"
 #include "core/mesh_build/box_tree.hpp"
+#include "core/mesh_build/mesh_topology.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
 namespace pierce {
 namespace {
 
-Vec3d at_time(const MovingPoint& p, double t) { return p.start + t * (p.end - p.start); }
-
-/// Which vertices and edges of each triangle are looked at with it, so that each is looked at once.
-/// Bits 0 to 2 are vertices, bits 3 to 5 the edges from them to the next ones.
-std::vector<std::uint8_t> own_features(const MovingSurface& surface) {
-    std::vector<std::uint8_t> own(surface.triangles.size(), 0);
-    std::vector<bool> seen(surface.points.size(), false);
-    std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-    for (std::size_t t = 0; t < own.size(); ++t)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t u = surface.triangles[t].vertex[k],
-                                v = surface.triangles[t].vertex[(k + 1) % 3];
-            if (!seen[u]) own[t] |= static_cast<std::uint8_t>(1u << k);
-            seen[u] = true;
-            if (edges.emplace(std::min(u, v), std::max(u, v)).second)
-                own[t] |= static_cast<std::uint8_t>(8u << k);
-        }
-    return own;
+/// True unless a vertex leaves the face that it meets, and goes to where that faces.
+bool enters(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
+            const Impact& impact) {
+    const auto way = [](const MovingPoint& q) { return q.end - q.start; };
+    const Vec3d from = at_time(a, impact.time);
+    const Vec3d outward = cross(at_time(b, impact.time) - from, at_time(c, impact.time) - from);
+    const Vec3d of_face = way(a) + impact.u * (way(b) - way(a)) + impact.v * (way(c) - way(a));
+    return !(dot(outward, way(p) - of_face) > 0);
 }
 
-/// Per vertex, the way its triangles face at time 0 or 1: `MovingPoint::start` or `end`.
-std::vector<Vec3d> normals_of(const MovingSurface& surface, Vec3d MovingPoint::*at) {
-    std::vector<Vec3d> normals(surface.points.size());
-    for (const Triangle& t : surface.triangles) {
-        const Vec3d a = surface.points[t.vertex[0]].*at;
-        const Vec3d normal = cross(surface.points[t.vertex[1]].*at - a,
-                                   surface.points[t.vertex[2]].*at - a);
-        for (std::uint32_t v : t.vertex) normals[v] += normal;
+/// The corners of every vertex of a surface.
+struct VertexCorners {
+    std::vector<std::uint32_t> begin;
+    std::vector<Corner> corners;
+
+    explicit VertexCorners(const MovingSurface& surface) {
+        std::tie(begin, corners) = corners_of(surface.triangles, surface.points.size());
     }
-    return normals;
-}
-
-/// The surface with all vertices moved inward by `depth` [length].
-MovingSurface inner(const MovingSurface& surface, double depth) {
-    MovingSurface moved = surface;
-    for (Vec3d MovingPoint::*at : {&MovingPoint::start, &MovingPoint::end}) {
-        const std::vector<Vec3d> normals = normals_of(surface, at);
-        for (std::size_t v = 0; v < normals.size(); ++v)
-            moved.points[v].*at -= depth * normalized(normals[v]);
+    std::span<const Corner> of(std::uint32_t vertex) const {
+        return std::span(corners).subspan(begin[vertex], begin[vertex + 1] - begin[vertex]);
     }
-    return moved;
-}
+};
 
 class Search {
 public:
     Search(const MovingSurface& first, const MovingSurface& second)
         : first_(first),
           second_(second),
-          own_first_(own_features(first)),
-          own_second_(own_features(second)),
-          normals_{normals_of(first, &MovingPoint::start),
-                   normals_of(second, &MovingPoint::start)} {
+          own_first_(first.own_features()),
+          own_second_(second.own_features()),
+          around_{VertexCorners(first), VertexCorners(second)},
+          normals_{first.normals(&MovingPoint::start), second.normals(&MovingPoint::start)} {
         Box both = first.box();
         both.extend(second.box());
         skin_ = touch_at_start(first, second);
-        inner_first_ = inner(first, skin_);
-        inner_second_ = inner(second, skin_);
+        inner_first_ = first.inner(skin_);
+        inner_second_ = second.inner(skin_);
         const double travel = travel_of(first) + travel_of(second);
         tolerance_ = 2 * constants::meeting_tolerance * both.extent();
         // What meets at the same place is found within the tolerance of it, or within the skins of
@@ -135,6 +117,33 @@ private:
         return min_of(weight, 1 - weight) * length(to.start - from.start) > 2 * skin_;
     }
 
+    /// True if no triangle around the vertex reaches further against the way `outward`, which a
+    /// face has that meets it. Otherwise the face only passes over it with its border, as the front
+    /// of what slides over a floor passes over the floor's vertices.
+    bool is_foremost(const MovingSurface& of, const VertexCorners& around, std::uint32_t vertex,
+                     double time, Vec3d outward) const {
+        const Vec3d at = at_time(of.points[vertex], time), n = normalized(outward);
+        const auto is_behind = [&](std::uint32_t u) {
+            return -dot(n, at_time(of.points[u], time) - at) <= skin_;
+        };
+        return std::ranges::all_of(around.of(vertex), [&](const Corner& c) {
+            return is_behind(c.next) && is_behind(c.previous);
+        });
+    }
+
+    /// True if no triangle at the edge reaches further along the way `n` than the edge.
+    bool is_foremost_edge(const MovingSurface& of, const VertexCorners& around, std::uint32_t from,
+                          std::uint32_t to, double time, Vec3d n) const {
+        const Vec3d at = at_time(of.points[from], time);
+        const auto is_behind = [&](std::uint32_t u) {
+            return dot(n, at_time(of.points[u], time) - at) <= skin_;
+        };
+        return std::ranges::all_of(around.of(from), [&](const Corner& c) {
+            return (c.next != to || is_behind(c.previous)) &&
+                   (c.previous != to || is_behind(c.next));
+        });
+    }
+
     void look_at_vertex(const MovingSurface& of, std::uint32_t t, std::uint32_t k,
                         const MovingSurface& face_of, std::uint32_t u, bool second) {
         const std::uint32_t v = of.triangles[t].vertex[k];
@@ -142,20 +151,30 @@ private:
         const MovingPoint &p = of.points[v], &a = face_of.points[corner[0]],
                           &b = face_of.points[corner[1]], &c = face_of.points[corner[2]];
         const auto find = [&](Impact& impact) { return vertex_meets_face(p, a, b, c, impact); };
+        const auto comes_first = [&](const Impact& impact) {
+            const Vec3d from = at_time(a, impact.time);
+            return is_foremost(
+                of, around_[second], v, impact.time,
+                cross(at_time(b, impact.time) - from, at_time(c, impact.time) - from));
+        };
         const auto find_inside = [&](Impact& impact) {
             const MovingPoint in{skin_ * normalized(cross(b.start - a.start, c.start - a.start)),
                                  skin_ * normalized(cross(b.end - a.end, c.end - a.end))};
             const auto inner = [&](const MovingPoint& q) {
                 return MovingPoint{q.start - in.start, q.end - in.end};
             };
-            if (vertex_meets_face(p, inner(a), inner(b), inner(c), impact)) return true;
+            const auto enters_through = [&](const MovingPoint& inner_a, const MovingPoint& inner_b,
+                                            const MovingPoint& inner_c) {
+                return vertex_meets_face(p, inner_a, inner_b, inner_c, impact) &&
+                       enters(p, inner_a, inner_b, inner_c, impact);
+            };
+            if (enters_through(inner(a), inner(b), inner(c)) && comes_first(impact)) return true;
             // Where the surface is hollow, there is a gap between its faces within the skin.
             const std::vector<MovingPoint>& in_face = (second ? inner_first_ : inner_second_)
                                                           .points;
-            return vertex_meets_face(p, in_face[corner[0]], in_face[corner[1]], in_face[corner[2]],
-                                     impact);
+            return enters_through(in_face[corner[0]], in_face[corner[1]], in_face[corner[2]]);
         };
-        const auto describe = [&](const Impact& impact, bool in_skin) {
+        const auto describe = [&](const Impact& impact) {
             const double time = impact.time;
             const Vec3d outward = cross(at_time(b, time) - at_time(a, time),
                                         at_time(c, time) - at_time(a, time));
@@ -165,15 +184,15 @@ private:
                        impact.v * (at_time(c, at) - corner_a);
             };
             const MovingPoint face{on_face(0), on_face(1)};
-            return second ? made(time, at_time(p, time), outward, face, p, in_skin)
-                          : made(time, at_time(p, time), -outward, p, face, in_skin);
+            return second ? made(time, at_time(p, time), outward, face, p)
+                          : made(time, at_time(p, time), -outward, p, face);
         };
         Impact impact;
         Found found;
         const Vec3d normal = cross(b.start - a.start, c.start - a.start);
         if (!meets(
                 is_within_skin(dot(normal, p.start - a.start), normal), find, find_inside, describe,
-                [](const Impact&) { return true; }, impact, found))
+                [&](const Impact& at, Vec3d) { return comes_first(at); }, impact, found))
             return;
         FirstMeeting& meeting = found.meeting;
         meeting.vertex_of_second = second;
@@ -194,7 +213,11 @@ private:
             return edges_meet(first.points[from], first.points[to], second.points[begin],
                               second.points[end], impact);
         };
-        const auto describe = [&](const Impact& impact, bool in_skin) {
+        const Vec3d across = cross(first_.points[to].start - first_.points[from].start,
+                                   second_.points[end].start - second_.points[begin].start);
+        const bool begins_in_skin = is_within_skin(
+            dot(across, second_.points[begin].start - first_.points[from].start), across);
+        const auto describe = [&](const Impact& impact) {
             const MovingPoint &a = first_.points[from], &b = first_.points[to],
                               &c = second_.points[begin], &d = second_.points[end];
             const double time = impact.time;
@@ -206,7 +229,12 @@ private:
             Vec3d normal = cross(at_time(b, time) - at_time(a, time),
                                  at_time(d, time) - at_time(c, time));
             if (dot(normal, normals_[0][from] + normals_[0][to]) < 0) normal = -normal;
-            return made(time, at_time(first, time), normal, first, on(c, d, impact.v), in_skin);
+            const MovingPoint second = on(c, d, impact.v);
+            // Edges that are apart as they begin come from the side that they are on; the normals
+            // of vertices need not say which that is.
+            if (!begins_in_skin && dot(normal, second.start - first.start) < -tolerance_)
+                normal = -normal;
+            return made(time, at_time(first, time), normal, first, second);
         };
         Impact impact;
         Found found;
@@ -214,14 +242,15 @@ private:
             return is_inner(at.u, first_.points[from], first_.points[to]) &&
                    is_inner(at.v, second_.points[begin], second_.points[end]);
         };
-        const Vec3d normal = cross(first_.points[to].start - first_.points[from].start,
-                                   second_.points[end].start - second_.points[begin].start);
-        const double apart = dot(normal, second_.points[begin].start - first_.points[from].start);
         if (!meets(
-                is_within_skin(apart, normal),
-                [&](Impact& at) { return find(first_, second_, at); },
+                begins_in_skin, [&](Impact& at) { return find(first_, second_, at); },
                 [&](Impact& at) { return find(inner_first_, inner_second_, at); }, describe,
-                is_within, impact, found))
+                [&](const Impact& at, Vec3d normal) {
+                    return is_within(at) &&
+                           is_foremost_edge(first_, around_[0], from, to, at.time, normal) &&
+                           is_foremost_edge(second_, around_[1], begin, end, at.time, -normal);
+                },
+                impact, found))
             return;
         found.meeting.edges = true;
         found.meeting.vertex = from;
@@ -253,25 +282,25 @@ private:
                const Describe& describe, const HasNormal& has_normal, Impact& impact,
                Found& found) const {
         if (find(impact)) {
-            found.meeting = describe(impact, false);
-            if (found.meeting.gap > tolerance_ && has_normal(impact)) return true;
+            found.meeting = describe(impact);
+            if (found.meeting.gap > tolerance_ && has_normal(impact, found.meeting.normal))
+                return true;
         } else if (!begins_in_skin) {
             return false;
         }
         found.is_in_skin = true;
         if (!find_inside(impact)) return false;
-        found.meeting = describe(impact, true);
+        found.meeting = describe(impact);
         return true;
     }
 
-    /// `first`, `second`: the places that meet. `normal` leads from the first surface to the second
-    /// where they touch as they begin. Within the skin they may have begun on its other side.
+    /// `first`, `second`: the places that meet. `normal` leads from the first surface to the
+    /// second. Places that begin on its other side leave each other: they have no gap.
     FirstMeeting made(double time, Vec3d place, Vec3d normal, const MovingPoint& first,
-                      const MovingPoint& second, bool in_skin) const {
+                      const MovingPoint& second) const {
         const Vec3d apart = second.start - first.start;
         // Parallel edges and faces without area have no normal: the way they come is one.
         normal = normalized(length_squared(normal) > 0 ? normal : apart);
-        if (!in_skin && dot(normal, apart) < -tolerance_) normal = -normal;
         FirstMeeting meeting;
         meeting.time = time;
         meeting.place = place;
@@ -325,6 +354,7 @@ private:
     const MovingSurface &first_, &second_;
     MovingSurface inner_first_, inner_second_;
     std::vector<std::uint8_t> own_first_, own_second_;
+    VertexCorners around_[2];
     std::vector<Vec3d> normals_[2];
     Found best_;
     std::map<std::pair<bool, std::uint32_t>, FirstMeeting> of_vertices_;  ///< of the second surface
@@ -334,15 +364,6 @@ private:
 };
 
 }  // namespace
-
-Box MovingSurface::box() const {
-    Box around;
-    for (const MovingPoint& p : points) {
-        around.extend(p.start);
-        around.extend(p.end);
-    }
-    return around;
-}
 
 double touch_at_start(const MovingSurface& first, const MovingSurface& second) {
     const auto box_of = [](const MovingSurface& surface) {

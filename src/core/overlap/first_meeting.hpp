@@ -1,23 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "core/geometry/moving_point.hpp"
-#include "pierce/box.hpp"
-#include "pierce/mesh.hpp"
+#include "core/overlap/moving_surface.hpp"
+#include "pierce/vec3.hpp"
 
 namespace pierce {
-
-/// A surface whose vertices move in straight lines from time 0 to time 1.
-struct MovingSurface {
-    std::vector<MovingPoint> points;
-    std::span<const Triangle> triangles;
-
-    /// Around the whole motion.
-    Box box() const;
-};
 
 /// When two surfaces that are apart at time 0 first meet: a vertex and a face, or two edges.
 struct FirstMeeting {

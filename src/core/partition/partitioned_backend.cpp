@@ -15,7 +15,6 @@
 #include "core/body/fetched_place.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
-#include "core/partition/contact_order.hpp"
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/merged_lists.hpp"
 #include "core/partition/part_stats.hpp"
@@ -319,40 +318,31 @@ void PartitionedBackend::for_each_part(bool at_once, const Run& run) {
 /// Joins the parts' lists, each of which is sorted by pair.
 void PartitionedBackend::merge() const {
     if (merged_) return;
-    merged_ = true;
     contacts_.clear();
     pairs_.clear();
-    std::vector<View<const Contact>> of_rays, of_sheets;
-    std::vector<View<const Pair>> pairs;
-    for (const Share& part : parts_) {
-        const View<const Contact> all = part.backend->contacts();
-        const View<const BodyView> bodies = part.scene.bodies();
-        const auto by_rays = static_cast<std::uint32_t>(
-            std::partition_point(all.begin(), all.end(),
-                                 [&](const Contact& c) { return is_by_ray(c, bodies); }) -
-            all.begin());
-        of_rays.push_back({all.data, by_rays});
-        of_sheets.push_back({all.data + by_rays, all.size - by_rays});
-        pairs.push_back(part.backend->pairs());
-    }
-    const auto key_of = [&](std::size_t p, const Pair& pair) {
-        return keys_.key(parts_[p].scene.bodies(), pair.a, pair.b);
-    };
-    const auto key_of_contact = [&](std::size_t p, const Contact& c) {
-        return key_of(p, {c.a.index, c.b.index});
-    };
-    append_merged(of_rays, key_of_contact, contacts_);
-    append_merged(of_sheets, key_of_contact, contacts_);
-    append_merged(pairs, key_of, pairs_);
+    std::vector<PartLists> lists;
+    lists.reserve(parts_.size());
+    for (const Share& part : parts_)
+        lists.emplace_back(part.backend->contacts(), part.backend->pairs(), part.scene.bodies());
+    append_merged(
+        lists,
+        [&](std::size_t p, const Pair& pair) {
+            return keys_.key(parts_[p].scene.bodies(), pair.a, pair.b);
+        },
+        contacts_, pairs_);
+    merged_ = true;
 }
 
 std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
     check_count(parts.size());
+    double sum = 0;
     for (const Part& part : parts) {
+        sum += part.share;
         if (!part.backend) throw InputError("a part of a partitioned backend has no backend");
         if (!(part.share > 0) || std::isinf(part.share))
             throw InputError("the share of a part must be positive and finite");
     }
+    if (std::isinf(sum)) throw InputError("the shares of all parts together must be finite");
     return std::make_unique<PartitionedBackend>(std::move(parts));
 }
 
@@ -360,6 +350,7 @@ std::unique_ptr<Backend> partitioned_backend(
     std::uint32_t parts, int threads,
     const std::function<std::unique_ptr<Backend>(int threads)>& make) {
     check_count(parts);
+    if (!make) throw InputError("parts need a function that makes their backends");
     const auto processors = static_cast<int>(std::thread::hardware_concurrency());
     const int all = threads == 0 ? processors : threads,
               each = threads < 0 ? threads : std::max(1, all / static_cast<int>(parts));

@@ -182,10 +182,6 @@ public:
         edges_.recall();
         sheets_.recall();
     }
-    /// Undoes the last step's bookkeeping, so that step() can be repeated in its place. The caller
-    /// restores Scene::seen, which steps overwrite.
-    void forget_step(const Scene& scene) { recall(scene); }
-
     /// What the last step has left for the next one.
     StepMemory memory() const {
         StepMemory m;
@@ -195,7 +191,7 @@ public:
         return m;
     }
     /// Makes `m` the last step's memory.
-    void remember(const StepMemory& m) {
+    void restore(const StepMemory& m) {
         now_.leave_contacts();
         by_world_ = m.by_world;
         now_.restore(executor_, m);
@@ -243,8 +239,8 @@ private:
     using Sum = typename E::template Sum<Value>;
     using Count = typename E::Count;
 
-    /// True if it is told which candidates are contacts before contacts are listed: stages between
-    /// read or change it, or the list has contacts of the last step, too.
+    /// True if candidates are tested (R2, R3) before contacts are listed: later stages read or
+    /// change which of them are contacts, or the list also takes contacts over from the last step.
     static bool tests_first(const Plan& plan) {
         return plan.needs(StageId::self_overlap) || plan.needs(StageId::separation) ||
                plan.needs(StageId::reproject) || plan.needs(StageId::margin) ||

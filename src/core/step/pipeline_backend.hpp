@@ -31,14 +31,12 @@ public:
         try {
             executor_->run([&] { pipeline_.step(scene, stats); });
             pipeline_.report(*scene.plan, stats);
+            join_contacts();
         } catch (...) {
-            pipeline_.remember(StepMemory{});
+            contacts_.clear();
+            pipeline_.restore(StepMemory{});
             throw;
         }
-        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
-        if (others.empty() || of_sheets.empty()) return;
-        contacts_.assign(others.begin(), others.end());
-        contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
     }
     bool step_at_rest() override {
         if (runs_on_device()) return false;
@@ -70,7 +68,7 @@ public:
     void remember(const StepMemory& memory) override {
         steps_at_rest_ = 0;
         contacts_.clear();
-        pipeline_.remember(memory);
+        pipeline_.restore(memory);
     }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
@@ -87,6 +85,12 @@ protected:
     Pipeline<E, T>& pipeline() { return pipeline_; }
 
 private:
+    void join_contacts() {
+        const auto &others = pipeline_.contacts(), &of_sheets = pipeline_.sheet_contacts();
+        if (others.empty() || of_sheets.empty()) return;
+        contacts_.assign(others.begin(), others.end());
+        contacts_.insert(contacts_.end(), of_sheets.begin(), of_sheets.end());
+    }
     /// Contacts are as old as they are to be when someone asks for them.
     void grow_older() const {
         if (steps_at_rest_ == 0) return;

@@ -316,8 +316,8 @@ std::string Explanation::text() const {
                 "world is not active.";
             break;
         case Reason::filtered:
-            s = "No contact: the two bodies do not meet, by their filters or because the pair is "
-                "excluded.";
+            s = "No contact: the two bodies do not meet, by their filters, by the pair filter or "
+                "because the pair is excluded.";
             break;
         case Reason::both_fixed:
             s = "No contact: two fixed bodies are no pair.";

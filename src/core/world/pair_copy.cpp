@@ -1,10 +1,12 @@
 #include "core/world/pair_copy.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "core/body/part_along_boxes.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/world/world_state.hpp"
+#include "pierce/overlap.hpp"
 #include "pierce/reference_backends.hpp"
 
 namespace pierce {
@@ -76,6 +78,13 @@ PlacedSurface World::PairCopy::placed(int body) const {
 bool World::PairCopy::are_within_reach() const {
     const auto& views = world_.state_->views;
     return views[ids_[0].index].active && views[ids_[1].index].active;
+}
+
+bool World::PairCopy::share_volume() {
+    for (const Body& body : bodies_)
+        if (!body.mesh->inside().exists()) return false;
+    const std::optional<Overlap> shared = world_.overlap(ids_[0], ids_[1]);
+    return shared && shared->volume > touch() * (shared->area_a + shared->area_b);
 }
 
 double World::PairCopy::touch() const {

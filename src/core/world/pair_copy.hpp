@@ -38,6 +38,10 @@ public:
     /// True if contacts_after() has not moved a body beyond what steps look at.
     bool are_within_reach() const;
 
+    /// True if, where contacts_after() saw the bodies last, they share more than a skin of the
+    /// touch tolerance. False where one has no inside.
+    bool share_volume();
+
     /// [length] The touch tolerance of the pair as contacts_after() saw it last.
     double touch() const;
 

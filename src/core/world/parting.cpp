@@ -59,8 +59,9 @@ private:
         Vec3d on_a, on_b;
     };
 
-    /// Sets `deep_` to the contacts after a translation; false if there are none, and both bodies
-    /// are where contacts are looked for.
+    /// Sets `deep_` to the contacts after a translation; false if the bodies are apart, and where
+    /// contacts are looked for. Faces that lie on each other may have contacts without a depth
+    /// where the bodies overlap.
     bool look(Vec3d way) {
         deep_.clear();
         const std::span<const Contact> contacts = pair_.contacts_after(way);
@@ -73,7 +74,8 @@ private:
                              .on_a = in_order ? c.point_a : c.point_b,
                              .on_b = in_order ? c.point_b : c.point_a});
         }
-        return !deep_.empty() || !pair_.are_within_reach();
+        if (!deep_.empty() || !pair_.are_within_reach()) return true;
+        return !contacts.empty() && pair_.share_volume();
     }
 
     bool is_shorter(double way) const { return way < length(best_); }
@@ -87,6 +89,7 @@ private:
                 best_ = way;
                 return;
             }
+            if (deep_.empty()) return;  // nothing says where to go
             for (const Deep& d : deep_) demands.push_back(d.demand);
             const std::optional<Vec3d> next = closest_to_origin(demands);
             if (!next || !is_shorter(length(*next))) return;
@@ -129,6 +132,7 @@ private:
                                               constants::parting_slope);
                 more = std::max(more, (d.demand.least - way * dot(d.demand.normal, along)) / slope);
             }
+            if (deep_.empty()) more = 0.5 * (length(best_) - way);
             overlapping = way;
             way += more;
             if (!is_shorter(overlapping)) return;

@@ -1,7 +1,7 @@
 #include "pierce/world.hpp"
 
-#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "core/base/usable.hpp"
@@ -10,14 +10,11 @@
 #include "core/mesh/patch.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/world/world_state.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 
 namespace pierce {
-
-bool is_usable(std::span<const Vec3f> positions) {
-    return std::ranges::all_of(positions, [](Vec3f p) { return is_within_reach(p); });
-}
 
 namespace {
 
@@ -25,13 +22,6 @@ void check_pose(const Pose& pose, const std::string& mesh) {
     if (!is_usable(pose))
         throw InputError("pose of a body of mesh '" + mesh +
                          "' is not finite, too far away or has no rotation");
-}
-
-void check_count(std::size_t given, const Mesh& mesh) {
-    if (given != mesh.positions().size())
-        throw InputError("body of mesh '" + mesh.name() + "' needs " +
-                         std::to_string(mesh.positions().size()) + " positions, got " +
-                         std::to_string(given));
 }
 
 }  // namespace
@@ -44,8 +34,8 @@ World::World(std::unique_ptr<Backend> backend, const Settings& settings)
     if (settings.coverage > Coverage::overlaps || settings.temporal > Temporal::certified)
         throw InputError("coverage or temporal has a value without a meaning");
     if (!(settings.open_body_range > 0)) throw InputError("open_body_range must be positive");
-    if (!(settings.margin >= 0) || std::isinf(settings.margin))
-        throw InputError("margin must be finite and not negative");
+    if (!(settings.margin >= 0) || settings.margin > constants::largest_coordinate)
+        throw InputError("margin must be neither negative nor beyond 2^60");
     if (settings.full_every == 0) throw InputError("full_every must be at least 1");
     if (!(settings.walk_threshold >= 0)) throw InputError("walk_threshold must not be negative");
     if (std::isnan(settings.prediction_distance))
@@ -155,121 +145,6 @@ const Collision& World::collision_of(BodyId body) const {
     return state_->bodies.get(body, "body").collision;
 }
 
-void World::State::check_have_poses(std::span<const BodyId> some) const {
-    for (BodyId body : some)
-        if (bodies.get(body, "body").motion == Motion::deforming)
-            throw InputError("body " + std::to_string(body.index) +
-                             " deforms: it has positions, not a pose");
-}
-
-void World::State::check_has_positions(BodyId body) const {
-    if (bodies.get(body, "body").motion != Motion::deforming)
-        throw InputError("body " + std::to_string(body.index) +
-                         " does not deform: it has a pose, not positions");
-}
-
-BodyEntry& World::State::place(BodyId body, const Pose& pose) {
-    check_have_poses({&body, 1});
-    BodyEntry& entry = begin_motion(body);
-    entry.leave_device();
-    entry.pose = pose;
-    if (!entry.usable) entry.start_pose = pose;
-    entry.usable = is_usable(pose);
-    return entry;
-}
-
-void World::set_pose(BodyId body, const Pose& pose) {
-    const BodyEntry& entry = state_->bodies.get(body, "body");
-    const bool is_there = entry.motion != Motion::deforming && !entry.moved && entry.usable &&
-                          !entry.is_on_device() && are_identical(entry.pose, pose);
-    // Solvers set the poses of bodies at rest, too.
-    if (!is_there) state_->place(body, pose);
-}
-
-namespace {
-
-void check_lists(std::size_t bodies, std::size_t poses) {
-    if (bodies != poses)
-        throw InputError(std::to_string(bodies) + " bodies need as many poses, got " +
-                         std::to_string(poses));
-}
-
-/// Calls set(body, pose) for bodies and their poses in seven numbers each.
-template <class T, class Set>
-void set_from_numbers(std::span<const BodyId> bodies, std::span<const T> poses, const Set& set) {
-    constexpr std::size_t numbers = 7;
-    if (poses.size() % numbers != 0)
-        throw InputError("poses have seven numbers each, got " + std::to_string(poses.size()) +
-                         " numbers");
-    check_lists(bodies.size(), poses.size() / numbers);
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const auto at = [&](std::size_t k) { return static_cast<double>(poses[numbers * i + k]); };
-        set(bodies[i], Pose{{at(0), at(1), at(2)}, {at(3), at(4), at(5), at(6)}});
-    }
-}
-
-}  // namespace
-
-void World::set_poses(std::span<const BodyId> bodies, std::span<const Pose> poses) {
-    check_lists(bodies.size(), poses.size());
-    state_->check_have_poses(bodies);
-    for (std::size_t i = 0; i < bodies.size(); ++i) set_pose(bodies[i], poses[i]);
-}
-
-void World::set_poses(std::span<const BodyId> bodies, std::span<const double> poses) {
-    state_->check_have_poses(bodies);
-    set_from_numbers(bodies, poses, [&](BodyId body, const Pose& pose) { set_pose(body, pose); });
-}
-
-void World::set_poses(std::span<const BodyId> bodies, std::span<const float> poses) {
-    state_->check_have_poses(bodies);
-    set_from_numbers(bodies, poses, [&](BodyId body, const Pose& pose) { set_pose(body, pose); });
-}
-
-void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
-    BodyEntry& entry = state_->bodies.get(body, "body");
-    state_->check_has_positions(body);
-    check_count(positions.size(), state_->mesh_of(entry));
-    state_->begin_motion(body);
-    std::ranges::copy(positions, entry.positions.begin());
-    if (!entry.usable) entry.start = entry.positions;
-    entry.leave_device();
-    entry.positions_version = state_->next_key++;
-    entry.usable = is_usable(positions);
-}
-
-void World::set_positions(std::span<const BodyId> bodies, std::span<const Vec3f> positions) {
-    std::size_t count = 0;
-    for (const BodyId body : bodies) {
-        const BodyEntry& entry = state_->bodies.get(body, "body");
-        state_->check_has_positions(body);
-        count += state_->mesh_of(entry).positions().size();
-    }
-    if (positions.size() != count)
-        throw InputError("the bodies have " + std::to_string(count) + " vertices, got " +
-                         std::to_string(positions.size()) + " positions");
-    for (const BodyId body : bodies) {
-        const std::size_t own = mesh(mesh_of(body)).positions().size();
-        set_positions(body, positions.first(own));
-        positions = positions.subspan(own);
-    }
-}
-
-void World::set_motion(BodyId body, std::span<const Vec3f> start,
-                       std::span<const Vec3f> positions) {
-    check_count(start.size(), state_->mesh_of(state_->bodies.get(body, "body")));
-    set_positions(body, positions);
-    BodyEntry& entry = state_->bodies.get(body, "body");
-    entry.start.assign(start.begin(), start.end());
-    entry.usable = entry.usable && is_usable(start);
-}
-
-void World::set_motion(BodyId body, const Pose& start, const Pose& pose) {
-    BodyEntry& entry = state_->place(body, pose);
-    entry.start_pose = start;
-    entry.usable = entry.usable && is_usable(start);
-}
-
 void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     const Mesh& shape = this->mesh(mesh);
@@ -279,11 +154,13 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     check_count(positions.size(), shape);
     state_->check_collision(entry.motion, shape, entry.collision,
                             "body " + std::to_string(body.index));
+    // Without memory for these, nothing changes.
+    std::vector<Vec3f> start(positions.begin(), positions.end()), end = start;
     entry.mesh = mesh;
     // The next step compares with the last shape, vertex by vertex, if both have as many patches.
     if (entry.seen.size() != patch_count(shape.view({}))) entry.seen.clear();
-    entry.start.assign(positions.begin(), positions.end());
-    entry.positions.assign(positions.begin(), positions.end());
+    entry.start = std::move(start);
+    entry.positions = std::move(end);
     entry.leave_device();
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);
@@ -300,6 +177,26 @@ void World::set_mesh(BodyId body, MeshId mesh) {
 }
 
 void World::forget_sides() { state_->forgets_sides = true; }
+
+Scene World::State::scene(bool rests, const std::uint32_t& forgets) {
+    return {.bodies = view_of(views),
+            .ids = view_of(std::as_const(ids)),
+            .changed = view_of(std::as_const(refreshed)),
+            .excluded = view_of(std::as_const(excluded_pairs)),
+            .pair_filter = asked_filter(),
+            .world_begins = view_of(std::as_const(world_begins)),
+            .block_items = view_of(std::as_const(block_items)),
+            .ranges = view_of(std::as_const(ranges)),
+            .blocks = view_of(std::as_const(blocks)),
+            .patches = view_of(std::as_const(patches)),
+            .seen = view_of(std::as_const(rests ? not_seen : seen)),
+            .node_items = view_of(std::as_const(node_items)),
+            .level_begin = level_begin,
+            .box_nodes = view_of(std::as_const(box_nodes)),
+            .plan = rests ? &resting_plan : &plan,
+            .part = part,
+            .forgets_sides = {&forgets, 1}};
+}
 
 const StepStats& World::detect() {
     const auto begin = std::chrono::steady_clock::now();
@@ -333,23 +230,7 @@ const StepStats& World::detect() {
                             s.plan.rigid_bodies + s.plan.deforming_bodies;
     if (certifies && few_change) s.rest.end();
     const bool rests = certifies && s.settings.may_rest && s.rest.now();
-    const Scene scene{.bodies = view_of(s.views),
-                      .ids = view_of(std::as_const(s.ids)),
-                      .changed = view_of(std::as_const(s.refreshed)),
-                      .excluded = view_of(std::as_const(s.excluded_pairs)),
-                      .pair_filter = s.asked_filter(),
-                      .world_begins = view_of(std::as_const(s.world_begins)),
-                      .block_items = view_of(std::as_const(s.block_items)),
-                      .ranges = view_of(std::as_const(s.ranges)),
-                      .blocks = view_of(std::as_const(s.blocks)),
-                      .patches = view_of(std::as_const(s.patches)),
-                      .seen = view_of(std::as_const(rests ? s.not_seen : s.seen)),
-                      .node_items = view_of(std::as_const(s.node_items)),
-                      .level_begin = s.level_begin,
-                      .box_nodes = view_of(std::as_const(s.box_nodes)),
-                      .plan = rests ? &s.resting_plan : &s.plan,
-                      .part = s.part,
-                      .forgets_sides = {&forgets_sides, 1}};
+    const Scene scene = s.scene(rests, forgets_sides);
     s.stepped = s.still = false;
     try {
         s.backend->step(scene, s.stats);

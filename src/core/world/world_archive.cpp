@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::uint64_t mark = 0x646c726f77637270;  // "prcworld"
 constexpr std::uint32_t version = 5;
+constexpr std::uint32_t most_generations = 1u << 31;  ///< as many again are left for what comes
 
 void require(bool holds, const char* what) {
     if (!holds) throw InputError(std::string("a saved world holds ") + what);
@@ -31,7 +32,8 @@ void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) 
     for (std::uint64_t i = 0; i < count; ++i) {
         auto& slot = map.slots().emplace_back();
         transfer(archive, slot.generation);
-        require(slot.generation > 0, "a handle without a generation");
+        require(slot.generation > 0 && slot.generation < most_generations,
+                "a handle without a usable generation");
         transfer(archive, slot.used);
         if (!slot.used) continue;
         Saved saved;
@@ -45,8 +47,9 @@ void restore_slots(ArchiveReader& archive, SlotMap<Tag, Thing>& map, Take take) 
 void World::save(std::ostream& out) const {
     State& s = *state_;
     s.bring_places(s.used_bodies());
-    if (s.planned)
-        s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
+    // Proofs of the last step are about the shapes that bodies had in it.
+    if (!s.planned) s.make_plan();
+    s.backend->fetch_seen(view_of(std::as_const(s.ids)), view_of(std::as_const(s.seen)));
     StepMemory memory = s.backend->memory();
 
     ArchiveWriter archive;

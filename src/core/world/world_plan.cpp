@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <set>
 
@@ -9,6 +10,7 @@
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/world/world_state.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 
 namespace pierce {
@@ -84,10 +86,10 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
     const bool asks = collision.sheet || collision.self != SelfCollision::off;
     if (asks && motion != Motion::deforming)
         throw InputError(name + " does not deform: it meets neither itself nor others as a sheet");
-    if (!(collision.thickness >= 0) || std::isinf(collision.thickness))
-        throw InputError(name + " needs a thickness that is finite and not negative");
-    if (std::isnan(collision.margin) || std::isinf(collision.margin))
-        throw InputError(name + " needs a margin that is finite");
+    if (!(collision.thickness >= 0) || collision.thickness > constants::largest_coordinate)
+        throw InputError(name + " needs a thickness that is neither negative nor beyond 2^60");
+    if (!(std::fabs(collision.margin) <= constants::largest_coordinate))
+        throw InputError(name + " needs a margin that is not beyond 2^60");
     if (!collision.sheet && collision.thickness > 0)
         throw InputError(name + " has a thickness but is no sheet");
     if (collision.sheet && mesh.inside().rule == Inside::winding)
@@ -100,19 +102,21 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
 }
 
 void World::State::note_change(BodyId body) {
-    stepped = false;
     changed.push_back(body.index);
+    stepped = false;
 }
 
 BodyEntry& World::State::begin_motion(BodyId id) {
     BodyEntry& body = bodies.get(id, "body");
+    if (!body.moved) {
+        body.start.resize(body.positions.size());  // without memory, nothing has changed yet
+        note_change(id);
+        body.moved = true;
+        body.start_pose = body.pose;
+        body.start.swap(body.positions);
+        if (!body.usable) body.forget_start();
+    }
     stepped = false;
-    if (body.moved) return body;
-    note_change(id);
-    body.moved = true;
-    body.start_pose = body.pose;
-    body.start.swap(body.positions);
-    body.positions.resize(body.start.size());
     return body;
 }
 
@@ -221,22 +225,13 @@ BodyKinds World::State::kinds_of(const BodyEntry& body) const {
     return kinds;
 }
 
-void World::State::make_plan() {
-    auto& slots = bodies.slots();
+/// Which stages steps need for the bodies that there are, and in which settings.
+void World::State::decide_plan() {
     plan = {};
     plan.revision = next_key++;
     plan.settings = settings;
-    block_items.clear();
-    ranges.clear();
-    views.assign(slots.size(), {});
-    ids.assign(slots.size(), {});
-    blocks.assign(slots.size(), {});
-    patches.assign(slots.size(), {});
-    box_nodes.assign(slots.size(), {});
-    seen.assign(slots.size(), {});
-
     BodyKinds kinds = elsewhere;
-    for (const auto& slot : slots)
+    for (const auto& slot : bodies.slots())
         if (slot.used && !slot.thing.away) kinds.add(kinds_of(slot.thing));
     plan.sheets = kinds.sheets;
     plan.velocity_rays = kinds.velocity_rays;
@@ -259,46 +254,63 @@ void World::State::make_plan() {
 
     plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
                             (kinds.deforming || plan.is_complete());
-    for (std::uint32_t i = 0; i < slots.size(); ++i) {
-        BodyView& view = views[i];
-        view.active = false;
-        if (!slots[i].used) continue;
-        BodyEntry& body = slots[i].thing;
-        MeshEntry& entry = meshes.get(body.mesh, "mesh");
-        ids[i] = {i, slots[i].generation};
-        view.mesh = entry.mesh->view(needs_of(plan, body.motion));
-        view.mesh_key = entry.key;
-        view.motion = body.motion;
-        view.part = body.part;
-        view.collision = body.collision;
-        view.filter = body.filter;
-        view.margin = margin_of(body);
-        view.range = settings.open_body_range * view.mesh.mean_edge_length;
-        view.fit_box = view.mesh.box;
-        view.touch = constants::touch_tolerance * view.fit_box.extent();
-        describe(body, *entry.mesh);
-        if (body.motion == Motion::deforming) {
-            place_vertices(i);
-            body.blocks.resize(block_count(view.mesh));
-            body.patches.resize(patch_count(view.mesh));
-            view.blocks = blocks[i] = view_of(body.blocks);
-            view.patches = patches[i] = view_of(body.patches);
-            if (plan.needs_boxes() && view.is_solid()) {
-                body.box_nodes.resize(view.mesh.box_nodes.size);
-                view.box_nodes = box_nodes[i] = view_of(body.box_nodes);
-            }
-            if (plan.remembers()) {
-                body.seen.resize(patch_count(view.mesh));
-                seen[i] = view_of(body.seen);
-            }
-            add_blocks(i);
-        } else {
-            view.positions = view.mesh.positions;
-            view.blocks = view.mesh.blocks;
-            view.patches = view.mesh.patches;
-            view.box_nodes = view.mesh.box_nodes;
+}
+
+/// What steps read of a body's mesh, and where they write what they measure of the body.
+void World::State::make_view(std::uint32_t i) {
+    auto& slots = bodies.slots();
+    BodyView& view = views[i];
+    view.active = false;
+    if (!slots[i].used) return;
+    BodyEntry& body = slots[i].thing;
+    MeshEntry& entry = meshes.get(body.mesh, "mesh");
+    ids[i] = {i, slots[i].generation};
+    view.mesh = entry.mesh->view(needs_of(plan, body.motion));
+    view.mesh_key = entry.key;
+    view.motion = body.motion;
+    view.part = body.part;
+    view.collision = body.collision;
+    view.filter = body.filter;
+    view.margin = margin_of(body);
+    view.range = settings.open_body_range * view.mesh.mean_edge_length;
+    view.fit_box = view.mesh.box;
+    view.touch = constants::touch_tolerance * view.fit_box.extent();
+    describe(body, *entry.mesh);
+    if (body.motion == Motion::deforming) {
+        place_vertices(i);
+        body.blocks.resize(block_count(view.mesh));
+        body.patches.resize(patch_count(view.mesh));
+        view.blocks = blocks[i] = view_of(body.blocks);
+        view.patches = patches[i] = view_of(body.patches);
+        if (plan.needs_boxes() && view.is_solid()) {
+            body.box_nodes.resize(view.mesh.box_nodes.size);
+            view.box_nodes = box_nodes[i] = view_of(body.box_nodes);
         }
+        if (plan.remembers()) {
+            body.seen.resize(patch_count(view.mesh));
+            seen[i] = view_of(body.seen);
+        }
+        add_blocks(i);
+    } else {
+        view.positions = view.mesh.positions;
+        view.blocks = view.mesh.blocks;
+        view.patches = view.mesh.patches;
+        view.box_nodes = view.mesh.box_nodes;
     }
+}
+
+void World::State::make_plan() {
+    decide_plan();
+    const std::size_t slots = bodies.slots().size();
+    block_items.clear();
+    ranges.clear();
+    views.assign(slots, {});
+    ids.assign(slots, {});
+    blocks.assign(slots, {});
+    patches.assign(slots, {});
+    box_nodes.assign(slots, {});
+    seen.assign(slots, {});
+    for (std::uint32_t i = 0; i < slots; ++i) make_view(i);
     add_nodes();
     arrange_worlds();
     plan.measures_deformation = plan.deforming_bodies > 0;
@@ -306,7 +318,7 @@ void World::State::make_plan() {
     resting_plan = plan;
     resting_plan.settings.temporal = Temporal::off;
     list_stages(resting_plan);
-    not_seen.assign(slots.size(), {});
+    not_seen.assign(slots, {});
     planned = true;
     unusable.clear();
     changed.clear();

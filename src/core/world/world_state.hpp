@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <compare>
 #include <memory>
 #include <set>
@@ -66,6 +67,11 @@ struct BodyEntry {
     bool is_on_device() const { return device_positions != nullptr || device_pose.exists(); }
     /// True if the place that the entry has is one.
     bool is_placed() const;
+    /// The last step has not seen the body: it begins where it is put first.
+    void forget_start() {
+        start_pose.position.x = NAN;
+        if (!start.empty()) start[0].x = NAN;
+    }
     void leave_device() {
         device_positions = device_start = nullptr;
         device_pose = {};
@@ -96,6 +102,9 @@ struct BodyIdPair {
 
     friend auto operator<=>(const BodyIdPair&, const BodyIdPair&) = default;
 };
+
+/// Throws InputError unless there are as many positions as the mesh has.
+void check_count(std::size_t given, const Mesh& mesh);
 
 /// What a World is made of; world.cpp changes it, and world_plan.cpp derives the step's input from
 /// it.
@@ -140,6 +149,14 @@ struct World::State {
     StepStats stats;
     std::unique_ptr<PairCopy> pair;  ///< what parting() moves, once it was called
 
+    /// Bodies by world, as they were when `filters_set` and arrivals together were `at`. Bodies
+    /// that were removed since then may still be listed.
+    struct {
+        std::uint64_t at = 0;
+        std::vector<std::pair<std::int32_t, std::uint32_t>> sorted;  ///< world and slot
+    } by_world;
+    std::uint64_t filters_set = 1;
+
     const Mesh& mesh_of(const BodyEntry& body) const { return *meshes.get(body.mesh, "mesh").mesh; }
 
     BodyId add(BodyEntry body) {
@@ -179,6 +196,8 @@ struct World::State {
                          const std::string& name) const;
     /// Throws InputError for a world that cannot be.
     static void check_filter(const Filter& filter);
+    /// The bodies of a world, in the order of their slots.
+    std::vector<BodyId> bodies_of(std::int32_t world);
     /// To be called before a body is put into a world: one without bodies is not left out.
     void begin_world(std::int32_t world);
     /// Throws InputError for a body that cannot have been saved.
@@ -186,7 +205,12 @@ struct World::State {
     BodyKinds kinds_of(const BodyEntry& body) const;
     /// Makes what does not change between steps.
     void make_plan();
+    void decide_plan();
+    void make_view(std::uint32_t index);
     void arrange_worlds();
+    /// What the next step reads; `rests`: it remembers nothing. `forgets`: 1 if sheets forget their
+    /// sides; it must stay until the step is done.
+    Scene scene(bool rests, const std::uint32_t& forgets);
     /// [length] How near other solids are in contact with the body.
     double margin_of(const BodyEntry& body) const;
     void add_blocks(std::uint32_t body);

@@ -44,6 +44,7 @@ void World::set_filter(BodyId body, const Filter& filter) {
     BodyEntry& entry = state_->bodies.get(body, "body");
     if (!state_->left_out.empty()) state_->begin_world(filter.world);
     entry.filter = filter;
+    ++state_->filters_set;
     state_->change();
 }
 
@@ -84,14 +85,24 @@ std::vector<std::int32_t> World::worlds() const {
     return {found.begin(), found.end()};
 }
 
-std::vector<BodyId> World::bodies_of(std::int32_t world) const {
-    std::vector<BodyId> bodies;
-    const auto& slots = state_->bodies.slots();
-    for (std::uint32_t i = 0; i < slots.size(); ++i)
-        if (slots[i].used && slots[i].thing.filter.world == world)
-            bodies.push_back({i, slots[i].generation});
-    return bodies;
+std::vector<BodyId> World::State::bodies_of(std::int32_t world) {
+    const auto& slots = bodies.slots();
+    const std::uint64_t now = filters_set + bodies.arrivals();
+    if (by_world.at != now) {
+        by_world.sorted.clear();
+        for (std::uint32_t i = 0; i < slots.size(); ++i)
+            if (slots[i].used) by_world.sorted.emplace_back(slots[i].thing.filter.world, i);
+        std::ranges::sort(by_world.sorted);
+        by_world.at = now;
+    }
+    std::vector<BodyId> found;
+    for (const auto& [its_world, i] : std::ranges::equal_range(
+             by_world.sorted, world, {}, [](const auto& listed) { return listed.first; }))
+        if (slots[i].used) found.push_back({i, slots[i].generation});
+    return found;
 }
+
+std::vector<BodyId> World::bodies_of(std::int32_t world) const { return state_->bodies_of(world); }
 
 std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     State& s = *state_;
@@ -141,11 +152,14 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
 void World::copy_places(std::int32_t from, std::int32_t to) {
     State& s = *state_;
     const std::vector<BodyId> there = bodies_of(from), here = bodies_of(to);
+    for (const std::int32_t world : {from, to})
+        if ((world == from ? there : here).empty())
+            throw InputError("there is no world " + std::to_string(world));
     const auto is_alike = [&](BodyId a, BodyId b) {
         const BodyEntry &one = s.bodies.get(a, "body"), &other = s.bodies.get(b, "body");
         return one.motion == other.motion && one.mesh == other.mesh;
     };
-    if (there.empty() || !std::ranges::equal(there, here, is_alike))
+    if (!std::ranges::equal(there, here, is_alike))
         throw InputError("worlds " + std::to_string(from) + " and " + std::to_string(to) +
                          " do not have the same bodies");
     std::vector<BodyEntry> copies;
@@ -165,6 +179,7 @@ void World::copy_places(std::int32_t from, std::int32_t to) {
 }
 
 void World::remove_world(std::int32_t world) {
+    if (world == all_worlds) throw InputError("bodies of all worlds are removed one by one");
     for (BodyId body : bodies_of(world)) remove_body(body);
 }
 

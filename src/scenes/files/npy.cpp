@@ -12,6 +12,16 @@
 namespace pierce::scenes {
 namespace {
 
+/// What a header says of the type of its numbers.
+std::string type_in(const std::string& header) {
+    const std::string key = "'descr':";
+    const std::size_t begin = header.find(key);
+    if (begin == std::string::npos) return "it does not say which";
+    const std::size_t from = header.find_first_not_of(' ', begin + key.size());
+    if (from == std::string::npos) return "it does not say which";
+    return header.substr(from, header.find(',', from) - from);
+}
+
 /// Throws unless the file is as long as its header says: xtensor allocates what the header says
 /// before it reads. The format: six bytes of magic, two of version, the header's length in two or
 /// four, and the header, a Python dictionary.
@@ -28,6 +38,8 @@ void check_size(std::ifstream& in, std::uintmax_t file_size) {
     if (!in || begin > file_size) throw std::runtime_error("its header is cut short");
     std::string header(length, '\0');
     in.read(header.data(), length);
+    if (header.find("<f4") == std::string::npos)
+        throw std::runtime_error("its numbers are of another type: " + type_in(header));
     const std::size_t name = header.find("'shape'"), open = header.find('(', name),
                       close = header.find(')', open);
     if (name == std::string::npos || open == std::string::npos || close == std::string::npos)

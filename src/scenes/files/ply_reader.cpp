@@ -76,10 +76,13 @@ public:
         throw InputError("its header is damaged");
     }
 
-    /// Throws InputError if a text goes on: its counts are wrong.
+    /// Throws InputError if the file goes on: its counts are wrong.
     void end() {
-        if (format_ == Format::text && !text_.next_word().empty())
-            text_.refuse("is more than the header promises");
+        if (format_ == Format::text) {
+            if (!text_.next_word().empty()) text_.refuse("is more than the header promises");
+        } else if (bytes_.find_first_not_of(std::string_view("\0\t\n\r ", 5)) != bytes_.npos) {
+            throw InputError("it holds more than its header promises");
+        }
     }
 
 private:

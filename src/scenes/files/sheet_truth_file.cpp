@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pierce/error.hpp"
+#include "scenes/files/json_index.hpp"
 
 namespace pierce::scenes {
 
@@ -26,18 +27,21 @@ std::vector<TrueSheetFrame> read_sheet_truth(const std::filesystem::path& file) 
             throw InputError("'" + file.string() + "' is not a truth file of sheets of version 1");
         std::vector<TrueSheetFrame> frames;
         for (const json& entry : content.at("frames")) {
-            TrueSheetFrame frame{entry.at("frame"), {}, {}};
+            const auto index = [&](const json& value) {
+                return index_in(value, "'" + file.string() + "' is not a truth file of sheets");
+            };
+            TrueSheetFrame frame{index(entry.at("frame")), {}, {}};
             for (const json& m : entry.at("meetings"))
                 frame.meetings.push_back({.edges = m.at(0) == 1,
-                                          .a = m.at(1),
-                                          .item = m.at(2),
-                                          .b = m.at(3),
-                                          .other = m.at(4)});
+                                          .a = index(m.at(1)),
+                                          .item = index(m.at(2)),
+                                          .b = index(m.at(3)),
+                                          .other = index(m.at(4))});
             for (const json& p : entry.at("piercings"))
-                frame.piercings.push_back({.a = p.at(0),
-                                           .edge = p.at(1),
-                                           .b = p.at(2),
-                                           .triangle = p.at(3),
+                frame.piercings.push_back({.a = index(p.at(0)),
+                                           .edge = index(p.at(1)),
+                                           .b = index(p.at(2)),
+                                           .triangle = index(p.at(3)),
                                            .depth = p.at(4)});
             frames.push_back(std::move(frame));
         }

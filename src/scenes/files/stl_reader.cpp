@@ -78,9 +78,10 @@ MeshData read_binary(std::string_view content) {
     if (content.size() < binary_begin) throw InputError("it is cut short: it ends in its header");
     const std::uint64_t count = count_of(content);
     const std::size_t held = (content.size() - binary_begin) / binary_triangle;
-    if (held < count)
-        throw InputError("it is cut short: its header promises " + std::to_string(count) +
-                         " triangles, it holds " + std::to_string(held));
+    if (held != count)
+        throw InputError(std::string(held < count ? "it is cut short: " : "") +
+                         "its header promises " + std::to_string(count) + " triangles, it holds " +
+                         std::to_string(held));
     Welder welder;
     for (std::uint64_t t = 0; t < count; ++t) {
         const char* at = content.data() + binary_begin + t * binary_triangle + 3 * sizeof(float);

@@ -93,9 +93,11 @@ struct SceneParameters {
                               ///< as the scene was made for
 };
 
+/// A named scene, and which of SceneParameters it has.
 struct SceneInfo {
     std::string name;
     std::string description;
+    bool has_count = false, may_be_soft = false, has_seed = false, has_nodes = false;
 };
 
 /// The scenes by name.

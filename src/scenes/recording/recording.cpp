@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 
 #include "core/base/usable.hpp"
 #include "core/base/whole_file.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
+#include "scenes/files/json_index.hpp"
 #include "scenes/files/mesh_io.hpp"
 #include "scenes/files/npy.hpp"
 
@@ -61,7 +63,17 @@ fs::path inside(const fs::path& folder, const std::string& name, const std::stri
     return folder / file;
 }
 
+/// Throws for a key that has no meaning, such as one with a wrong letter.
+void check_keys(const json& entry, const char* what, std::initializer_list<std::string_view> known,
+                const std::string& where) {
+    if (!entry.is_object()) throw InputError(where + ": " + what + " is no object");
+    for (const auto& [key, value] : entry.items())
+        if (std::ranges::find(known, key) == known.end())
+            throw InputError(where + ": " + what + " has no '" + key + "'");
+}
+
 SceneMesh read_scene_mesh(const json& entry, const fs::path& folder, const std::string& where) {
+    check_keys(entry, "a mesh", {"name", "file", "inside"}, where);
     const auto rule = inside_named(entry.value("inside", std::string(name(Inside::automatic))));
     if (!rule) throw InputError(where + ": inside is none of automatic, closed, winding and none");
     SceneMesh mesh{.name = entry.at("name").get<std::string>(),
@@ -104,6 +116,7 @@ std::vector<std::string> names_of(std::span<const SceneMesh> meshes) {
 }
 
 Collision read_collision(const json& entry, const std::string& where) {
+    check_keys(entry, "a collision", {"self", "sheet", "thickness", "margin"}, where);
     const auto self = entry.value("self", std::string(self_names[0]));
     const auto known = std::ranges::find(self_names, self);
     if (known == self_names.end())
@@ -118,7 +131,9 @@ void count_frames(std::size_t frames, const fs::path& file, Recording& recording
     if (recording.frame_count == 0) recording.frame_count = static_cast<std::uint32_t>(frames);
     if (frames != recording.frame_count)
         throw InputError("'" + file.string() + "' has " + std::to_string(frames) +
-                         " frames, others have " + std::to_string(recording.frame_count));
+                         " frames, and bodies before it have " +
+                         std::to_string(recording.frame_count) +
+                         "; only static bodies may have one instead");
 }
 
 std::uint32_t mesh_named(const std::string& mesh_name, const Recording& recording,
@@ -136,11 +151,12 @@ void read_changes(const json& entries, const Recording& recording, RecordedBody&
         throw InputError(where + ": body '" + body.name + "' changes its mesh but does not deform");
     std::uint32_t last = 0;
     for (const json& entry : entries) {
-        const auto frame = entry.at("frame").get<std::int64_t>();
+        check_keys(entry, "a change", {"frame", "mesh"}, where);
+        const std::uint32_t frame = index_in(entry.at("frame"), where);
         if (frame <= last || frame > constants::max_elements)
             throw InputError(where + ": the changes of body '" + body.name +
                              "' are not at ascending frames after the first");
-        last = static_cast<std::uint32_t>(frame);
+        last = frame;
         body.mesh_changes.push_back(
             {last, mesh_named(entry.at("mesh").get<std::string>(), recording, body, where)});
     }
@@ -164,6 +180,9 @@ void take_changing_positions(FloatArray array, const fs::path& file, Recording& 
 
 RecordedBody read_body(const json& entry, const fs::path& folder, Recording& recording,
                        const std::string& where) {
+    check_keys(entry, "a body",
+               {"name", "mesh", "motion", "poses", "positions", "ground", "collision", "changes"},
+               where);
     RecordedBody body;
     body.name = entry.at("name").get<std::string>();
     body.ground = entry.value("ground", false);
@@ -350,6 +369,7 @@ Recording read_recording(const fs::path& folder, const std::function<void(double
     Recording recording;
     try {
         const json scene = json::parse(in);
+        check_keys(scene, "a recording", {"format", "version", "dt", "meshes", "bodies"}, where);
         if (scene.at("format") != format_name) throw InputError(where + " is not a " + format_name);
         if (scene.at("version") != plain_version && scene.at("version") != format_version)
             throw InputError(where + " has version " + scene.at("version").dump() +

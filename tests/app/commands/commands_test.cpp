@@ -270,6 +270,17 @@ TEST_F(AppTest, RefusesBadInputWithOneLineThatNamesIt) {
     expect_refused("run tori --temporal always", "--temporal");
     expect_refused("run tori --predict maybe", "--predict");
     expect_refused("run tori --full-every 0", "--full-every");
+    for (const char* option : {"--predict on", "--full-every 4", "--temporal off --predict off"})
+        expect_refused("run tori " + std::string(option), "no effect without --temporal paper");
+    expect_refused("run tori --rest on --temporal paper", "--temporal certified");
+    expect_refused("run tori --html-reasons off", "no effect without --html");
+    for (const char* option : {"--count 7", "--soft", "--seed 2"})
+        expect_refused("run layers " + std::string(option), "no effect on the scene 'layers'");
+    expect_refused("plan bunnies --nodes 7", "no effect on the scene 'bunnies'");
+    for (const char* option : {"--json", "--record", "--png", "--html", "--mesh-cache"})
+        expect_refused("run tori --count 1 --seconds 0.1 " + std::string(option) + " ''",
+                       "needs a name");
+    expect_refused("sweep x.json --list --slurm", "--slurm");
     expect_refused("report paper --out /proc/nowhere", "/proc/nowhere");
     expect_refused("report accuracy --out /proc/nowhere", "/proc/nowhere");
     expect_refused("report accuracy --out " + path("report") + " --every 0", "--every");

@@ -229,7 +229,9 @@ TEST_F(MannersTest, QuietPrintsErrorsOnly) {
     expect_refused("-q run tori --count 2 --record /proc/nowhere", "/proc/nowhere/scene.json");
     EXPECT_THAT(pierce("-q run torus", folder).text, HasSubstr("unknown scene"));
     setenv("PIERCE_QUIET", "1", 1);
-    const Outcome by_environment = pierce("scenes", folder);
+    const Outcome by_environment = pierce("run tori --count 2 --seconds 0.1", folder);
+    EXPECT_THAT(pierce("scenes", folder).text, HasSubstr("tori")) << "it is what was asked for";
+    EXPECT_THAT(pierce("completion bash", folder).text, HasSubstr("pierce"));
     setenv("PIERCE_QUIET", "0", 1);
     const Outcome not_quiet = pierce("scenes", folder);
     unsetenv("PIERCE_QUIET");

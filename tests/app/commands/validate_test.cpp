@@ -70,6 +70,7 @@ TEST_F(ValidateCommandTest, LeavesTheReferenceOutOfLargeScenes) {
 
 TEST_F(ValidateCommandTest, RefusesWhatItCannotValidate) {
     expect_refused("validate", "input");
+    expect_refused("validate tear --count 9", "--count: has no effect on the scene 'tear'");
     expect_refused("validate torus",
                    "'torus' is neither a scene, see 'pierce scenes', nor a recording's folder");
     expect_refused("validate " + path("nothing"), "nothing");

@@ -17,6 +17,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
 #include "core/mesh/vertex_normal.hpp"
+#include "pierce/error.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
@@ -47,6 +48,25 @@ TEST(MeshTest, TraitsTellOpenFlippedAndDegenerate) {
     MeshData thin = box;
     thin.triangles.push_back({{0, 1, 1}});
     EXPECT_EQ(Mesh("thin", thin).traits().degenerate_triangles, 1u);
+}
+
+TEST(MeshTest, WhatIsNoMeshIsRefused) {
+    const auto scaled = [](double by) {
+        MeshData data = scenes::box({-1, -1, -1}, {1, 1, 1});
+        for (Vec3f& p : data.positions) p = to_float(by * to_double(p));
+        return data;
+    };
+    EXPECT_NO_THROW(Mesh("a point", scaled(0)));
+    EXPECT_NO_THROW(Mesh("small", scaled(0x1p-61)));
+    EXPECT_THROW(Mesh("too small", scaled(0x1p-63)), InputError);
+    EXPECT_NO_THROW(Mesh("large", scaled(0x1p60)));
+    EXPECT_THROW(Mesh("too large", scaled(0x1p61)), InputError);
+    const auto no_rule = static_cast<Inside>(4);
+    EXPECT_THROW(Mesh("no rule", scaled(1), {.inside = no_rule}), InputError);
+    const Mesh box("box", scaled(1));
+    EXPECT_EQ(box.given_triangle(11), 11u);
+    EXPECT_THROW((void)box.given_triangle(12), InputError);
+    EXPECT_THROW((void)box.given_triangle(no_triangle), InputError);
 }
 
 TEST(MeshTest, NormalsPointOutward) {

@@ -134,6 +134,45 @@ TEST(ImpactsTest, BodiesThatTouchMeetWhereTheyTurnIntoEachOther) {
     }
 }
 
+TEST(ImpactsTest, WhatRestsMayLeave) {
+    World world;
+    world.add_fixed_body(world.add_mesh("table", scenes::box({-2, -2, -1}, {2, 2, 0})));
+    const MeshId shape = world.add_mesh("cube", scenes::box({-0.5f, -0.5f, 0}, {0.5f, 0.5f, 1}));
+    const BodyId cube = world.add_rigid_body(shape);
+    const auto impacts = [&](Vec3d from, Vec3d to) {
+        world.set_motion(cube, {from, upright}, {to, upright});
+        return world.impacts();
+    };
+    for (const double depth : {0.0, 1e-7, 5e-7, 1e-6, 2e-6}) {
+        EXPECT_TRUE(impacts({1.4, 0, -depth}, {1.6, 0, -depth}).empty()) << "over the border";
+        EXPECT_TRUE(impacts({0.1, 0.2, -depth}, {0.1, 0.2, 0.1}).empty()) << "up";
+    }
+    EXPECT_EQ(impacts({2.6, 0, -0.5}, {2.4, 0, -0.5}).size(), 1u) << "against the side";
+}
+
+TEST(ImpactsTest, AWayBeginsWhereTheLastStepHasSeenTheBody) {
+    World world;
+    const MeshData shape = scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f});
+    const MeshId mesh = world.add_mesh("cube", shape);
+    world.add_fixed_body(mesh);
+    const BodyId rigid = world.add_rigid_body(mesh, {{3, 0, 0}, upright});
+    const BodyId soft = world.add_deforming_body(mesh, scenes::moved(shape.positions, {0, 3, 0}));
+    world.detect();
+    world.set_pose(rigid, {{NAN, 0, 0}, upright});
+    world.set_pose(rigid, {{-3, 0, 0}, upright});
+    world.set_positions(soft, std::vector<Vec3f>(shape.positions.size(), {NAN, 0, 0}));
+    world.set_positions(soft, scenes::moved(shape.positions, {0, -3, 0}));
+    EXPECT_EQ(world.impacts().size(), 3u) << "with the fixed one, and with each other";
+
+    world.remove_body(soft);
+    world.set_pose(rigid, {{NAN, 0, 0}, upright});
+    world.detect();
+    world.set_pose(rigid, {{3, 0, 0}, upright});
+    EXPECT_TRUE(world.impacts().empty()) << "the last step has not seen it";
+    world.set_pose(rigid, {{-3, 0, 0}, upright});
+    EXPECT_EQ(world.impacts().size(), 1u) << "it begins where it was put first";
+}
+
 TEST(ImpactsTest, AheadIsWhatAMotionWouldMeet) {
     test::Random random(23);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));

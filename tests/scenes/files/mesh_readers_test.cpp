@@ -12,6 +12,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "pierce/error.hpp"
 
@@ -252,6 +253,9 @@ TEST(StlReaderTest, SaysWhatCannotBeRead) {
     expect_refused(read_stl, replaced(text, "outer loop", "outer ring"), "line 4");
     expect_refused(read_stl, binary.substr(0, binary.size() - 1), "it holds 3");
     expect_refused(read_stl, binary.substr(0, 50), "cut short");
+    std::string less = binary;
+    --less[80];
+    expect_refused(read_stl, less, "promises 3 triangles, it holds 4");
     expect_refused(read_stl, "", "cut short");
 }
 
@@ -355,6 +359,13 @@ TEST(PlyReaderTest, SaysWhatCannotBeRead) {
     expect_refused(read_ply, replaced(ply, "face 4", "face 18446744073709551615"), "cut short");
     expect_refused(read_ply, replaced(ply, "vertex 4", "vertex 5"), "more");
     expect_refused(read_ply, replaced(ply, "face 4", "face 3"), "line 17 is more");
+    const std::string point =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar x\n"
+        "property uchar y\nproperty uchar z\nend_header\n"
+        "\1\2\3";
+    for (const std::string& end : {""s, "\n"s, "\r\n"s, "\0\0"s})
+        EXPECT_EQ(read_ply(point + end).positions, std::vector<Vec3f>({{1, 2, 3}}));
+    expect_refused(read_ply, point + "\1", "more than its header promises");
     // Nothing is held for elements that have nothing.
     expect_tetrahedron(
         read_ply, replaced(ply, "element face", "element air 18446744073709551615\nelement face"));

@@ -6,6 +6,8 @@
 
 #include <fstream>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "pierce/error.hpp"
 #include "scenes/named/shapes.hpp"
@@ -81,6 +83,12 @@ TEST_F(TruthFileTest, AnythingElseIsRefusedByName) {
     expect_refused(with_frames(R"([{"frame": 0}])"), "overlapping");
     expect_refused(with_frames(R"([{"frame": 0, "overlapping": [[0, "b"]]}])"),
                    "is not a truth file");
+    using Shown = std::pair<std::string, std::string>;
+    for (const auto& [number, shown] :
+         {Shown{"-1", "-1"}, Shown{"2.5", "2.5"}, Shown{"4294967296", "4294967296"},
+          Shown{"184467440737709551615", "1.8446744073770956e+20"}})
+        expect_refused(with_frames("[{\"frame\": 0, \"overlapping\": [[0, " + number + "]]}]"),
+                       "is not a truth file: " + shown + " is no number");
     expect_refused(with_frames(R"([{"frame": 0, "overlapping": [], "inside": [[0, 1, 2]]}])"),
                    "is not a truth file");
     expect_refused(with_frames("[").substr(0, 60), "is not a truth file");

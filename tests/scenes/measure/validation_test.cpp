@@ -4,11 +4,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/body/body_view.hpp"
-#include "core/body/scene.hpp"
 #include "core/device/view.hpp"
-#include "core/step/common/step_memory.hpp"
-#include "core/trace/ray.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -17,6 +13,7 @@
 #include "scenes/detect/detector.hpp"
 #include "scenes/named/shapes.hpp"
 #include "scenes/simulate/simulation.hpp"
+#include "support/forwarding_backend.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -48,31 +45,22 @@ Recording pyramid(float x) {
 }
 
 /// A backend whose contacts are tampered with in one step.
-class Tampering : public Backend {
+class Tampering : public test::ForwardingBackend {
 public:
     using Tamper = std::function<void(std::vector<Contact>&)>;
-    Tampering(std::uint32_t step, Tamper tamper) : step_(step), tamper_(std::move(tamper)) {}
+    Tampering(std::uint32_t step, Tamper tamper)
+        : ForwardingBackend(bvh_backend()), step_(step), tamper_(std::move(tamper)) {}
 
     std::string description() const override { return "tampering"; }
     void step(const Scene& scene, StepStats& stats) override {
-        honest_->step(scene, stats);
-        contacts_.assign(honest_->contacts().begin(), honest_->contacts().end());
+        ForwardingBackend::step(scene, stats);
+        const View<const Contact> honest = inner().contacts();
+        contacts_.assign(honest.begin(), honest.end());
         if (steps_++ == step_) tamper_(contacts_);
     }
     View<const Contact> contacts() const override { return view_of(contacts_); }
-    View<const Pair> pairs() const override { return honest_->pairs(); }
-    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
-                            std::uint32_t vertex) const override {
-        return honest_->certificate(bodies, pair, side, vertex);
-    }
-    StepMemory memory() const override { return honest_->memory(); }
-    void remember(const StepMemory& memory) override { honest_->remember(memory); }
-    void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
-        honest_->closest_hits(bodies, rays, hits);
-    }
 
 private:
-    std::unique_ptr<Backend> honest_ = bvh_backend();
     std::uint32_t step_, steps_ = 0;
     Tamper tamper_;
     std::vector<Contact> contacts_;

@@ -142,9 +142,12 @@ TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
     write_recording(changing(sample()), folder);
     overwrite("scene.json", "\"frame\": 2", "\"frame\": 1");
     expect_refused("ascending frames");
-    write_recording(changing(sample()), folder);
-    overwrite("scene.json", "\"frame\": 2", "\"frame\": -2");
-    expect_refused("ascending frames");
+    for (const char* other : {"-2", "2.5", "1e300"}) {
+        SCOPED_TRACE(other);
+        write_recording(changing(sample()), folder);
+        overwrite("scene.json", "\"frame\": 2", std::string("\"frame\": ") + other);
+        expect_refused("is no number of a frame");
+    }
     write_recording(changing(sample()), folder);
     overwrite("scene.json", "\"frame\": 2", "\"frame\": 3");
     expect_refused("whole frames");
@@ -207,14 +210,35 @@ TEST_F(RecordingTest, DamageIsNamed) {
     overwrite("scene.json", "\"mesh\": \"ball\"", "\"mesh\": \"bill\"");
     expect_refused("unknown mesh 'bill'");
     write_recording(sample(), folder);
+    overwrite("scene.json", "\"motion\": \"rigid\"", "\"motiom\": 1, \"motion\": \"rigid\"");
+    expect_refused("a body has no 'motiom'");
+    write_recording(sample(), folder);
+    overwrite("scene.json", "\"dt\": 0.01", "\"dt\": 0.01, \"dtt\": 3");
+    expect_refused("a recording has no 'dtt'");
+    write_recording(sample(), folder);
+    overwrite("body_1.npy", "<f4", "<f8");
+    expect_refused("its numbers are of another type: '<f8'");
+    write_recording(sample(), folder);
     overwrite("scene.json", "body_1.npy", "../1.npy");
     expect_refused("is not a file inside the folder");
     write_recording(sample(), folder);
     overwrite("scene.json", "\"dt\"", "\"td\"");
-    expect_refused("dt");
+    expect_refused("a recording has no 'td'");
     write_recording(sample(), folder);
     fs::resize_file(folder / "scene.json", 100);
     expect_refused("scene.json");
+}
+
+TEST_F(RecordingTest, CollisionsAreReadAndTheirMistakesNamed) {
+    Recording recording = sample();
+    recording.bodies[2].collision = {.self = SelfCollision::on, .thickness = 0.25, .margin = 0.5};
+    write_recording(recording, folder);
+    EXPECT_EQ(read_recording(folder).bodies[2].collision, recording.bodies[2].collision);
+    overwrite("scene.json", "\"thickness\"", "\"depth\"");
+    expect_refused("a collision has no 'depth'");
+    write_recording(recording, folder);
+    overwrite("scene.json", "\"on\"", "\"perhaps\"");
+    expect_refused("self-collision is 'perhaps'");
 }
 
 TEST_F(RecordingTest, DamagedArraysAreNamed) {

@@ -65,9 +65,9 @@ struct MeshOptions {
 class Mesh {
 public:
     /// Throws InputError, naming `name` and the offending element, for an empty mesh, an index out
-    /// of range, a position that is not finite or beyond constants::largest_coordinate, or a cache
-    /// that is no folder and cannot be made one. Anything else is accepted and described by
-    /// traits().
+    /// of range, a position that is not finite or beyond constants::largest_coordinate, a mesh that
+    /// is smaller than the reciprocal of that and no point, or a cache that is no folder and cannot
+    /// be made one. Anything else is accepted and described by traits().
     Mesh(std::string name, MeshData data, MeshOptions options = {});
     /// A mesh that is mostly `before`, cut, torn or grown. Vertices keep their numbers; new ones
     /// follow. Which triangles stay is found out, and what is known of them is taken over; grids,
@@ -89,7 +89,7 @@ public:
     /// Inside::winding: then some are left out or turned, and triangles that close holes are added.
     std::span<const Triangle> triangles() const;
     /// The place of one of triangles() among those that were given; no_triangle if it closes a
-    /// hole.
+    /// hole. Throws InputError if there is no such triangle.
     std::uint32_t given_triangle(std::uint32_t triangle) const;
     /// A copy of the data that the mesh was made from.
     MeshData data() const;

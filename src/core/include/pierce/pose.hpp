@@ -4,7 +4,8 @@
 
 namespace pierce {
 
-/// A rotation as a quaternion, vector part first; need not be of unit length, must not be zero.
+/// A rotation as a quaternion, vector part first. It need not be of unit length; its squared length
+/// is from constants::smallest_rotation to constants::largest_rotation, or the body is left out.
 struct Quaternion {
     double x = 0, y = 0, z = 0, w = 1;
 

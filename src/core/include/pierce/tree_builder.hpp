@@ -13,6 +13,9 @@ enum class TreeBuilder : std::uint8_t {
     ploc,   ///< neighbours on the Morton curve are joined, the nearest first
 };
 
+/// Throws InputError for a value without a meaning.
+void check_tree_builder(TreeBuilder builder);
+
 /// How trees of our own are made and kept.
 struct TreeOptions {
     TreeBuilder builder = TreeBuilder::lbvh;

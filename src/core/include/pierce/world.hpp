@@ -138,9 +138,9 @@ public:
     /// there would be too many worlds or bodies. Places in device memory are copied to the host.
     std::int32_t replicate(std::int32_t world, std::uint32_t count);
     /// Puts the bodies of a world where those of another one are, which has the same bodies, as a
-    /// copy has. They have not moved there. Throws InputError for worlds that differ.
+    /// copy has. Their next step begins there. Throws InputError for worlds that differ.
     void copy_places(std::int32_t from, std::int32_t to);
-    /// Removes all bodies of a world.
+    /// Removes all bodies of a world. Throws InputError for all_worlds.
     void remove_world(std::int32_t world);
     /// Leaves the bodies of a world out of steps, or takes them in again. A world that has lost all
     /// its bodies is left out no more. Throws InputError for all_worlds, and for a world without

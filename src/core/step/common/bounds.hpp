@@ -21,9 +21,7 @@ namespace pierce::stages {
 /// What a patch, or a block of them, adds to its body's bounds.
 struct PartBounds {
     Box fit_box, world_box;
-    double deviation = 0;
-    double shape_motion = 0;
-    double travel = 0;
+    double deviation = 0, shape_motion = 0, travel = 0;  ///< [length]
 
     PIERCE_HD void extend(const PartBounds& part) {
         world_box.extend(part.world_box);

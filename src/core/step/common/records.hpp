@@ -8,8 +8,8 @@
 #include "pierce/contact.hpp"
 #include "pierce/pose.hpp"
 
-/// What a step remembers for the next one. Everything is keyed by (pair, side, patch, vertex), is
-/// written anew in every step and read in the next. It is dropped with its pair, when a body is
+/// What a step remembers of pairs, vertices and contacts for the next one. It is written anew in
+/// every step and read in the next. It is dropped with its pair, when a body is
 /// removed, and when a body gets another mesh.
 namespace pierce {
 
@@ -101,43 +101,6 @@ struct VertexRecord {
 };
 
 static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(VertexRecord) == 44);
-
-/// Stands for any triangles: it is not known which. How many, the edge's proof says.
-inline constexpr std::uint32_t some_triangle = no_triangle - 1;
-
-/// The triangles near an edge: 44 bytes. All others are so far away that they stay away until the
-/// odometer reaches `until`, and as long as both ends of the edge are closer than `room` [length]
-/// to where the pair's anchor has them.
-struct NearTriangles {
-    static constexpr std::uint32_t most = 8;
-
-    float until = -1, room = -1;  ///< negative: they are not known
-    std::uint32_t count = 0;
-    std::uint32_t triangle[most] = {};
-};
-
-/// An edge of a directed pair's source that is near the target's surface: 64 bytes.
-struct alignas(16) NearEdge {
-    std::uint32_t directed = 0;
-    std::uint32_t edge = 0;
-    float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
-    float room = 0;    ///< [length] and as long as both its ends are closer than this to where the
-                       ///< pair's anchor has them
-    std::uint32_t crosses = some_triangle;  ///< the triangle that it may cross until then; or
-                                            ///< some_triangle, if it is not known which
-    NearTriangles triangles;
-};
-static_assert(sizeof(NearEdge) == 64);
-
-/// The near edges of a directed pair.
-struct NearEdgesOfPair {
-    Frame anchor;      ///< the source's space to the target's when they were found
-    float expiry = 0;  ///< all other edges are away from the target's surface until the odometer
-                       ///< reaches this
-    std::uint32_t first = 0, count = 0;
-    std::uint16_t is_kept = 0;  ///< 1: they are those of the last step
-    std::uint16_t unasked = 0;  ///< for how many steps nobody has asked for them
-};
 
 /// What is remembered of a contact of a sheet. If the same features meet again, they are the same
 /// contact. For a vertex that has ended a step on the wrong side, the record says where the vertex

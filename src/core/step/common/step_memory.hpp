@@ -2,10 +2,7 @@
 
 #include <vector>
 
-#include "core/body/body_view.hpp"
-#include "core/device/view.hpp"
 #include "core/step/common/records.hpp"
-#include "pierce/body.hpp"
 #include "pierce/contact.hpp"
 
 namespace pierce {

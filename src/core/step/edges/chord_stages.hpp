@@ -8,6 +8,7 @@
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/edge_triangles.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/edges/over_ridge.hpp"
 #include "core/step/solids/directed_pair.hpp"

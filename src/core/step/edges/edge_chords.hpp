@@ -12,6 +12,7 @@
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
 #include "core/step/edges/edge_lists.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edge_memory.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/edges/touch_stages.hpp"

@@ -9,6 +9,7 @@
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/min_max.hpp"

@@ -6,6 +6,7 @@
 #include "core/execute/executor.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/edge_cull.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/trace/ray.hpp"
 

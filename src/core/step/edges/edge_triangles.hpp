@@ -7,6 +7,7 @@
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/edges/segment_gap.hpp"
 #include "core/trace/first_crossing.hpp"

@@ -3,6 +3,7 @@
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "pierce/min_max.hpp"
 

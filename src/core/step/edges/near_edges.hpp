@@ -7,6 +7,7 @@
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/edges/edge_cull.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "pierce/min_max.hpp"
 

@@ -6,10 +6,10 @@
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/chord_stages.hpp"
+#include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/directed_pair.hpp"
-#include "pierce/min_max.hpp"
 
 /// edges of pairs whose edges only touch: looked at again as if one body had moved a little. Edges
 /// that lay in the other body's surface then lie inside or outside of it. If two bodies overlap,

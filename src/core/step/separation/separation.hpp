@@ -6,6 +6,7 @@
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
 #include "core/step/edges/late_chords.hpp"
+#include "core/step/separation/ray_chains.hpp"
 #include "core/step/separation/separation_lists.hpp"
 #include "core/step/separation/separation_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
@@ -96,6 +97,12 @@ private:
         choose_directions(step);
         cast_apart(step, edges);
         rays_apart_ = count_of(out_.rays);
+        const Count candidates = count_of(batch.candidates);
+        executor_.for_each(candidates,
+                           stages::ChainTouchingVertices{.sources = view_of(batch.sources),
+                                                         .candidates = view_of(batch.candidates),
+                                                         .marks = step.marks,
+                                                         .chains = new_chains(step, candidates)});
         keep_inside(ListId::separated_rays, step, edges, batch, routes);
     }
 
@@ -159,13 +166,23 @@ private:
                                                                   view_of(apart_.vertices)});
         executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
                                                                 view_of(chords_.inside)});
+        executor_.for_each(vertices, stages::ChainStrandedVertices{view_of(apart_.vertices),
+                                                                   new_chains(step, vertices)});
         executor_.for_each(contained, stages::GenerateContainedRays{
                                           .out = rays_apart(step, edges, vertices + chords),
                                           .from = view_of(parts_.inside),
                                           .stranded = view_of(apart_.vertices),
-                                          .stranded_count = vertices,
+                                          .chains = chains(),
                                           .marks = step.marks});
     }
+
+    /// Chains without any ray yet.
+    stages::RayChains new_chains(const StepOfPairs<E>& step, const Count& rays) {
+        executor_.assign(first_of_pair_, step.count, no_record);
+        next_.resize(rays);
+        return chains();
+    }
+    stages::RayChains chains() { return {view_of(first_of_pair_), view_of(next_)}; }
 
     stages::SeparationRays rays_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges,
                                       const Count& begin) {
@@ -197,7 +214,8 @@ private:
                         .inside = view_of(out_.candidates),
                         .batch = room_in(batch, routes, step.scene.plan->remembers(), inside, out_),
                         .marks = step.marks,
-                        .flat = edges.flat()});
+                        .flat = edges.flat(),
+                        .touching = chains()});
     }
 
     StepTools<E, T>& tools_;
@@ -205,7 +223,8 @@ private:
     LateChords<E, T> late_chords_;
     InsideTests<E> parts_, chords_;
     WaysApart<E> apart_;
-    RayBatch<E> out_;  ///< along ways apart
+    RayBatch<E> out_;                             ///< along ways apart
+    Buffer<std::uint32_t> first_of_pair_, next_;  ///< see stages::RayChains
     Count late_rays_ = 0u, rays_apart_ = 0u, touches_ = 0u, inside_tests_ = 0u, deep_pairs_ = 0u;
 };
 

@@ -9,14 +9,15 @@
 #include "core/step/common/records.hpp"
 #include "core/step/edges/touch_stages.hpp"
 #include "core/step/separation/ask_parts.hpp"
+#include "core/step/separation/ray_chains.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/join_batch.hpp"
 #include "core/trace/meeting.hpp"
 #include "pierce/min_max.hpp"
 
-/// After classify, with complete coverage: pairs that overlap but have no contact along an inward
-/// ray, because each ray leaves its own body first, or because one body is wholly inside the other.
-/// The direction in which the two separate soonest gives them their contacts.
+/// After classify, unless coverage is `vertices`: pairs that overlap but have no contact along an
+/// inward ray, because each ray leaves its own body first, or because one body is wholly inside the
+/// other. The direction in which the two separate soonest gives them their contacts.
 namespace pierce::stages {
 
 /// True for pairs that the rest of separation may have something to do for: nothing of one is known
@@ -236,7 +237,7 @@ struct GenerateContainedRays {
     SeparationRays out;
     View<const RaySource> from;
     View<const RaySource> stranded;  ///< vertices
-    Number stranded_count;
+    RayChains chains;                ///< of these
     PairMarks marks;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
@@ -277,13 +278,9 @@ private:
     /// one whose ray runs inside.
     PIERCE_HD bool is_stranded(const RaySource& vertex) const {
         if (!marks.any(vertex.pair, PairMarks::runs_inside)) return false;
-        const std::uint32_t count = stranded_count;
-        for (std::uint32_t k = 0; k < count; ++k) {
-            const RaySource& other = stranded[k];
-            if (other.pair == vertex.pair && other.side == vertex.side && other.item == vertex.item)
-                return true;
-        }
-        return false;
+        return chains.find(vertex.pair, [&](std::uint32_t k) {
+            return stranded[k].side == vertex.side && stranded[k].item == vertex.item;
+        }) != no_record;
     }
 
     /// True for vertices that get a ray for the part they stand for.
@@ -303,6 +300,7 @@ struct JoinSeparated {
     JoinBatch batch;
     PairMarks marks;
     View<const std::uint32_t> flat;  ///< per chord, its candidate without a depth
+    RayChains touching;              ///< candidates that are vertices, where one only touches
 
     static constexpr bool is_cheap = true;
 
@@ -311,7 +309,7 @@ struct JoinSeparated {
         const RaySource& from = batch.from_sources[ray];
         const bool is_deep = batch.from_meetings[ray].t > 0,
                    is_chord = from.start == RayStart::chord;
-        const std::uint32_t before = is_chord ? no_record : touching(from);
+        const std::uint32_t before = is_chord ? no_record : touching_candidate(from);
         batch.join(i, ray, is_deep || (!is_chord && before == no_record));
         if (!is_deep) return;
         if (before != no_record) batch.keep[before] = 0;
@@ -320,19 +318,14 @@ struct JoinSeparated {
     }
 
 private:
-    /// The contact of the same vertex that was found along its inward ray, or no_record. Nearly no
-    /// pair that needs a way apart has such contacts.
-    PIERCE_HD std::uint32_t touching(const RaySource& from) const {
+    /// The contact of the same vertex that was found along its inward ray, or no_record.
+    PIERCE_HD std::uint32_t touching_candidate(const RaySource& from) const {
         if (!marks.any(from.pair, PairMarks::vertex_touches)) return no_record;
-        const std::uint32_t count = batch.first_candidate;
-        for (std::uint32_t k = 0; k < count; ++k) {
+        return touching.find(from.pair, [&](std::uint32_t k) {
             const RaySource& other = batch.sources[batch.candidates[k]];
             // Only the item of this vertex may read or write that it is kept.
-            if (other.start == RayStart::vertex && other.pair == from.pair &&
-                other.side == from.side && other.item == from.item && batch.keep[k])
-                return k;
-        }
-        return no_record;
+            return other.side == from.side && other.item == from.item && batch.keep[k];
+        });
     }
 };
 

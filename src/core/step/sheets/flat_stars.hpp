@@ -41,8 +41,8 @@ struct alignas(16) FlatCorners {
 /// sides at any time: a sector has less than half a turn while its triangle faces that way, and the
 /// number of turns cannot change. Nothing folds there (Volino and Magnenat-Thalmann 1994). Nor are
 /// features of such triangles without a common corner nearer than the thickness in the end: seen
-/// so, each end of a sector's side is at least as far from the other side as that, and from all
-/// sectors beyond.
+/// so, the three heights of each triangle are not below that. So the end of a side is at least as
+/// far from all sectors that it does not belong to, and the middle from all outer edges.
 struct FindFlatStars {
     SheetBodies bodies;
     View<std::uint32_t> flat;
@@ -83,10 +83,12 @@ private:
         return min_of(cross(u.start, w.start), min_of(middle, cross(u.end, w.end)));
     }
 
-    /// True if an end of one of a sector's sides is nearer to the other side than the thickness.
+    /// True if a height of a triangle, given by two of its sides, is below the thickness.
     PIERCE_HD static bool is_narrow(Seen u, Seen w, double thickness) {
+        const auto squared = [](double x, double y) { return x * x + y * y; };
         const double area = cross(u, w),
-                     longest = max_of(u.x * u.x + u.y * u.y, w.x * w.x + w.y * w.y);
+                     longest = max_of(max_of(squared(u.x, u.y), squared(w.x, w.y)),
+                                      squared(w.x - u.x, w.y - u.y));
         return !(area * area >= thickness * thickness * longest);
     }
 

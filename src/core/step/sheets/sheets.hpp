@@ -50,7 +50,10 @@ public:
 
     /// What the last step has left for the next one.
     void save(StepMemory& m) const { now_.save(executor_, m); }
-    void restore(const StepMemory& m) { now_.restore(executor_, m); }
+    void restore(const StepMemory& m) {
+        features_.contacts.clear();
+        now_.restore(executor_, m);
+    }
 
     /// Clears the lists: there are no sheets in this step.
     void forget() {

@@ -240,7 +240,8 @@ struct FillContact {
         if (target.collision.sheet) of_velocity_ray(c, from, p_world, q_world, direction, m.t);
         c.age = ages[i] = age(from, r);
         if (r < records.size) records[r].contact = i;
-        // The next step looks from the closest triangle.
+        // After a walk, the next step looks from the closest triangle; the record of a full ray is
+        // written anew by Remember.
         if (r < records.size && moved && looks) records[r].triangle = triangle;
         write_side_by_side(contacts.data, i, c);
         return sums_of(c, first);

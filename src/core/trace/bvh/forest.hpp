@@ -62,7 +62,7 @@ struct Place {
 };
 
 /// A node holds its children's boxes, so that a ray reads one node to choose between two. A node
-/// takes half a cache line.
+/// takes 64 bytes: a cache line of a processor, half a one of a GPU.
 struct alignas(16) Node {
     BoxF box[2];
     Item child[2];
@@ -84,7 +84,9 @@ struct Tree {
     std::uint32_t body = 0;   ///< the body whose surface it holds, or one of several such bodies
     bool moves = false;       ///< the body deforms
     Item root;
-    std::uint64_t fitted = 0;  ///< version of the positions its boxes fit
+    std::uint64_t fitted = fits_nothing;  ///< version of the positions its boxes fit
+
+    static constexpr std::uint64_t fits_nothing = 0;  ///< no positions have this version
 };
 
 /// All trees of a scene side by side, so that each step of building and refitting is one launch for

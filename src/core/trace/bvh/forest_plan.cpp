@@ -61,7 +61,7 @@ void ForestPlan::lay_out(View<const BodyView> bodies) {
                           .body = b,
                           .moves = moves,
                           .root = {},
-                          .fitted = 0});
+                          .fitted = Tree::fits_nothing});
         tree_of_leaf_.insert(tree_of_leaf_.end(), counts.back(), next);
     }
     tree_count_ = static_cast<std::uint32_t>(trees_.size());
@@ -114,7 +114,7 @@ bool ForestPlan::change(View<const BodyView> bodies, std::span<const std::uint32
                      .body = b,
                      .moves = moves,
                      .root = {},
-                     .fitted = 0};
+                     .fitted = Tree::fits_nothing};
         changed_.push_back(
             {.tree = trees_[t], .place = t, .first_before = first, .count_before = count});
     }

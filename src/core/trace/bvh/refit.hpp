@@ -9,6 +9,12 @@
 
 namespace pierce::bvh {
 
+/// Which positions a tree has just been built for. Those of a body that takes no part may not be
+/// here yet, as on a device, although its version is known.
+PIERCE_HD inline std::uint64_t fitted_when_built(const BodyView& body) {
+    return body.active ? body.positions_version : Tree::fits_nothing;
+}
+
 /// True if a tree's boxes no longer fit and the tree is wanted. What the caller writes in device
 /// memory changes without a word.
 PIERCE_HD inline bool needs_refit(const Tree& tree, const BodyView& body,
@@ -66,7 +72,7 @@ struct NoteFitted {
     static constexpr bool is_cheap = true;
 
     PIERCE_HD void operator()(std::uint32_t t) const {
-        if (trees[t].moves) trees[t].fitted = bodies[trees[t].body].positions_version;
+        if (trees[t].moves) trees[t].fitted = fitted_when_built(bodies[trees[t].body]);
     }
 };
 
@@ -82,7 +88,7 @@ struct ReplaceTree {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         Tree tree = changed[i].tree;
-        if (tree.moves) tree.fitted = bodies[tree.body].positions_version;
+        if (tree.moves) tree.fitted = fitted_when_built(bodies[tree.body]);
         trees[changed[i].place] = tree;
         work[changed[i].place] = {};
     }

@@ -69,6 +69,8 @@ public:
     }
 
     MeshData& mesh(std::size_t b) { return meshes_[b]; }
+    void leave_out(std::size_t b) { views_[b].active = false; }
+    void take_in(std::size_t b) { views_[b].active = true; }
     View<const BodyView> views() const { return view_of(views_); }
 
     /// To be called after meshes were changed.
@@ -594,6 +596,28 @@ TEST(BvhTracerTest, RebuildsADecayedTree) {
         EXPECT_EQ(counts.rebuilds, 1u);
         EXPECT_EQ(counts.builds, 2u);
         EXPECT_GT(counts.refits, 0u);
+    }
+}
+
+/// A device gets the positions of a body when it first takes part. They may be as old as its tree.
+TEST(BvhTracerTest, FitsABodyThatTookNoPartWhenTreesWereBuilt) {
+    test::Random random(13);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    Bodies bodies({scenes::sphere(1, 2), scenes::sphere(1, 2)});
+    const std::vector<Vec3f> there = bodies.mesh(1).positions;
+    for (TreeBuilder how : builders) {
+        SCOPED_TRACE(static_cast<int>(how));
+        BvhTracer<SerialExecutor> tracer({how});
+        BruteForceTracer reference;
+        SerialExecutor executor;
+        std::ranges::fill(bodies.mesh(1).positions, Vec3f{9, 9, 9});
+        bodies.leave_out(1);
+        const std::vector<std::uint32_t> wanted(2, 1);
+        tracer.update(executor, bodies.views(), view_of(wanted));
+        bodies.mesh(1).positions = there;
+        bodies.take_in(1);
+        const std::vector<Ray> rays = random_rays(random, bodies.views(), 1000);
+        EXPECT_EQ(hits_of(tracer, bodies.views(), rays), hits_of(reference, bodies.views(), rays));
     }
 }
 

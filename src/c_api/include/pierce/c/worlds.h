@@ -19,7 +19,7 @@ PIERCE_API pierce_status pierce_replicate(pierce_world* world, int32_t of, uint3
                                           int32_t* first);
 /** Puts the bodies of `to` where those of `from` are. Errors: worlds that differ. */
 PIERCE_API pierce_status pierce_copy_places(pierce_world* world, int32_t from, int32_t to);
-/** Removes all bodies of one. */
+/** Removes all bodies of one. Errors: PIERCE_ALL_WORLDS. */
 PIERCE_API pierce_status pierce_remove_world(pierce_world* world, int32_t removed);
 /** Leaves the bodies of one out of steps (`active` 0), or takes them in again. Errors:
  *  PIERCE_ALL_WORLDS, a world without bodies. */
