@@ -347,7 +347,7 @@ public:
     }
 
     template <class T>
-    void assign(Buffer<T>& buffer, std::uint32_t count, const T& value) {
+    void assign(Buffer<T>& buffer, Count count, const T& value) {
         buffer.resize(count);
         for_each(count, cuda::FillWith<T>{buffer.data(), value});
     }

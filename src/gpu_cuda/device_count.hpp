@@ -9,7 +9,8 @@
 namespace pierce::cuda {
 
 /// How many items there are: a number that the host knows, or one that only the device knows, with
-/// a bound.
+/// a bound. It does not convert to a number, as bounded steps know none: CudaExecutor::number() is
+/// for code that may wait for the device.
 class DeviceCount : public Number {
 public:
     DeviceCount() = default;
@@ -23,14 +24,6 @@ public:
     std::uint32_t bound() const { return bound_; }
     /// True if the host knows the number, which is the bound.
     bool is_known() const { return terms_[0].total == nullptr; }
-
-    /// The number, for parts of a step that cannot do without it. Throws std::logic_error where the
-    /// host does not know it.
-    operator std::uint32_t() const {
-        if (!is_known())
-            throw std::logic_error("a count that only the device knows was used on the host");
-        return bound_;
-    }
 
     /// The number, by the host's copy of the totals: `at(total)` is the value of a total.
     template <class At>

@@ -37,7 +37,7 @@ std::vector<Vec3d> points_around(const Mesh& mesh, test::Random& random) {
         Vec3d weight = random.in_box(0.6);
         points.push_back(box.center());
         for (int k = 0; k < 3; ++k) points.back()[k] += weight[k] * (box.upper[k] - box.lower[k]);
-        const Triangle& t = mesh.view().triangles[static_cast<std::size_t>(
+        const Triangle t = mesh.view().triangles[static_cast<std::size_t>(
             random.integer(0, static_cast<int>(mesh.view().triangles.size) - 1))];
         const auto corner = [&](int k) { return to_double(mesh.view().positions[t.vertex[k]]); };
         points.push_back(corner(0));

@@ -8,11 +8,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
+#include <ranges>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -78,7 +80,10 @@ public:
             if (over) break;
             alarm(longest_world);
             if (const auto failure = judge(program_of_seed(desk_.seed), backends_, desk_.counts)) {
-                const std::string line = fmt::format("{} {}\n", desk_.seed, failure->kind);
+                std::string line = fmt::format("{}\t{}\t{}", desk_.seed, failure->kind,
+                                               failure->text);
+                std::ranges::replace(line, '\n', ' ');
+                line += '\n';
                 [[maybe_unused]] const ssize_t n = write(log_, line.data(), line.size());
             }
         }
@@ -140,8 +145,9 @@ private:
         const auto begin = std::chrono::steady_clock::now();
         const auto end = begin + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                                      std::chrono::duration<double>(options_.seconds));
-        int log[2];
-        if (pipe(log) != 0) throw std::runtime_error("no pipe");
+        // Processes append to one file, whose place they share.
+        std::FILE* const log = std::tmpfile();
+        if (log == nullptr) throw std::runtime_error("no temporary file");
         void* shared = mmap(nullptr, options_.jobs * sizeof(Desk), PROT_READ | PROT_WRITE,
                             MAP_SHARED | MAP_ANONYMOUS, -1, 0);
         if (shared == MAP_FAILED) throw std::runtime_error("no memory to share");
@@ -152,8 +158,7 @@ private:
             const pid_t child = fork();
             if (child < 0) throw std::runtime_error("no process");
             if (child == 0) {
-                close(log[0]);
-                Worker(options_, backends_, desks_[w], log[1]).run(end);
+                Worker(options_, backends_, desks_[w], fileno(log)).run(end);
             }
             running[child] = w;
         };
@@ -173,27 +178,32 @@ private:
             const std::string kind = WIFSIGNALED(status)
                                          ? name_of_signal(WTERMSIG(status))
                                          : fmt::format("crash: exit {}", WEXITSTATUS(status));
-            found(desks_[w].seed, kind);
+            found(desks_[w].seed, kind, "");
             desks_[w].seed += options_.jobs;
             start(w);
         }
-        close(log[1]);
-        std::string lines;
-        char buffer[4096];
-        for (ssize_t n = 0; (n = read(log[0], buffer, sizeof buffer)) > 0;)
-            lines.append(buffer, static_cast<std::size_t>(n));
-        for (std::size_t at = 0; at < lines.size();) {
-            const std::size_t next = lines.find('\n', at);
-            const std::string line = lines.substr(at, next - at);
-            const std::size_t space = line.find(' ');
-            found(std::stoull(line.substr(0, space)), line.substr(space + 1));
-            at = next + 1;
-        }
+        read_log(log);
         for (unsigned w = 0; w < options_.jobs; ++w) counts_ += desks_[w].counts;
         seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
 
-    void found(std::uint64_t seed, const std::string& kind) { failures_[kind].insert(seed); }
+    void read_log(std::FILE* log) {
+        std::string lines;
+        char buffer[4096];
+        std::rewind(log);
+        for (std::size_t n = 0; (n = std::fread(buffer, 1, sizeof buffer, log)) > 0;)
+            lines.append(buffer, n);
+        std::fclose(log);
+        std::istringstream in(lines);
+        for (std::string seed, kind, text; std::getline(in, seed, '\t') &&
+                                           std::getline(in, kind, '\t') && std::getline(in, text);)
+            found(std::stoull(seed), kind, text);
+    }
+
+    /// `text`: of a failure that does not end its process.
+    void found(std::uint64_t seed, const std::string& kind, const std::string& text) {
+        failures_[kind].emplace(seed, text);
+    }
 
     void report() {
         const OracleCounts& o = counts_.oracle;
@@ -209,22 +219,16 @@ private:
             o.expected_contacts, o.feature_meetings, o.feature_questions);
         for (const auto& [kind, seeds] : failures_) {
             fmt::print("FAILED {} times: {}; seeds", seeds.size(), kind);
-            std::size_t left = 10;
-            for (std::uint64_t seed : seeds)
-                if (left-- > 0) fmt::print(" {}", seed);
-            fmt::print("\n");
+            for (const auto& [seed, text] : seeds | std::views::take(most_seeds))
+                fmt::print(" {}", seed);
+            fmt::print("\nthe first: {}\n", seeds.begin()->second);
         }
         std::fflush(stdout);  // finding small programs may take long
         if (options_.out.empty()) return;
         std::filesystem::create_directories(options_.out);
-        for (const auto& [kind, seeds] : failures_) {
-            unsigned left = options_.shrinks;
-            for (std::uint64_t seed : seeds)
-                if (left-- > 0)
-                    keep(kind, seed);
-                else
-                    break;
-        }
+        for (const auto& [kind, seeds] : failures_)
+            for (const auto& [seed, text] : seeds | std::views::take(options_.shrinks))
+                keep(kind, seed);
     }
 
     /// Writes a small program that fails likewise.
@@ -246,12 +250,15 @@ private:
         std::fflush(stdout);
     }
 
+    static constexpr std::ptrdiff_t most_seeds = 10;  ///< that are printed of a kind
+
     const Options& options_;
     Backends backends_;
     Desk* desks_ = nullptr;
     JudgeCounts counts_;
     double seconds_ = 0;
-    std::map<std::string, std::set<std::uint64_t>> failures_;
+    /// By kind and seed, what was wrong.
+    std::map<std::string, std::map<std::uint64_t, std::string>> failures_;
 };
 
 }  // namespace
@@ -269,7 +276,7 @@ int main(int argc, char** argv) {
     app.add_option("--backends", options.backends, "names, separated by commas; all if none")
         ->delimiter(',')
         ->check(CLI::IsMember(pierce::fuzz::names_of_backends()));
-    app.add_option("--replay", options.replay, "programs to play");
+    app.add_option("--replay", options.replay, "programs to play")->check(CLI::ExistingFile);
     app.add_flag("--show", options.show, "print the program of the first seed");
     CLI11_PARSE(app, argc, argv);
     return pierce::fuzz::Watch(options).run();

@@ -92,7 +92,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     // Runs work that consists of stages as a whole: a step, or rays outside of a step.
     executor.run(detail::AnyWork{});
     // Fill a list with a value, copy a list from the host, and copy it to the host.
-    executor.assign(list, std::uint32_t{}, 0.0f);
+    executor.assign(list, n, 0.0f);
     executor.upload(std::span<const float>{}, list);
     { executor.download(list) } -> std::same_as<std::vector<float>>;
 };
