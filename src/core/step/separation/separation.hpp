@@ -172,8 +172,7 @@ private:
                                           .out = rays_apart(step, edges, vertices + chords),
                                           .from = view_of(parts_.inside),
                                           .stranded = view_of(apart_.vertices),
-                                          .chains = chains(),
-                                          .marks = step.marks});
+                                          .chains = chains()});
     }
 
     /// Chains without any ray yet.

@@ -238,7 +238,6 @@ struct GenerateContainedRays {
     View<const RaySource> from;
     View<const RaySource> stranded;  ///< vertices
     RayChains chains;                ///< of these
-    PairMarks marks;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const RaySource part = from[i];
@@ -274,10 +273,7 @@ struct GenerateContainedRays {
     }
 
 private:
-    /// Parts are only asked where no vertex is inside, so that a stranded vertex of such a pair is
-    /// one whose ray runs inside.
     PIERCE_HD bool is_stranded(const RaySource& vertex) const {
-        if (!marks.any(vertex.pair, PairMarks::runs_inside)) return false;
         return chains.find(vertex.pair, [&](std::uint32_t k) {
             return stranded[k].side == vertex.side && stranded[k].item == vertex.item;
         }) != no_record;
