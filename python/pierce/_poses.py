@@ -13,14 +13,20 @@ _RIGID = 1e-5
 """[1] A rotation whose products differ less from those of the axes is one to rounding."""
 
 
+def is_rigid(matrix: Floats) -> bool:
+    """True if a matrix (4, 4) turns and shifts and does nothing else, to rounding."""
+    turn = matrix[:3, :3]
+    is_turn = np.abs(turn.T @ turn - np.eye(3)).max() <= _RIGID and np.linalg.det(turn) > 0
+    return bool(is_turn and np.abs(matrix[3] - [0, 0, 0, 1]).max() <= _RIGID)
+
+
 def matrix_of(pose: ArrayLike) -> Floats:
     """The matrix (4, 4) of a pose of seven numbers, or of what is a rigid matrix already."""
     given = np.asarray(pose, np.float64)
     if not np.isfinite(given).all():
         raise ValueError("the pose is not finite")
     if given.shape == (4, 4):
-        turn = given[:3, :3]
-        if not np.allclose(turn.T @ turn, np.eye(3), atol=_RIGID) or np.linalg.det(turn) < 0:
+        if not is_rigid(given):
             raise ValueError("the matrix stretches or mirrors: no pose does")
         return given
     if given.shape != (7,):

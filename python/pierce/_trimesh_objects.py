@@ -11,7 +11,7 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from ._poses import split
+from ._poses import is_rigid, split
 from ._surfaces import Floats
 
 _FURTHEST = 2.0**60
@@ -110,9 +110,7 @@ def rigid_transform(transform: ArrayLike) -> Floats:
         raise ValueError("transform must be (4,4)!")
     if not np.abs(matrix).max() <= _FURTHEST:
         raise ValueError("transform must be finite and not too far away")
-    turn = matrix[:3, :3]
-    same = np.allclose(turn @ turn.T, np.eye(3), atol=1e-5) and np.linalg.det(turn) > 0
-    if not same or not np.allclose(matrix[3], [0, 0, 0, 1], rtol=0, atol=1e-5):
+    if not is_rigid(matrix):
         raise ValueError("transform must be rigid: use mesh.apply_transform() for other ones")
     rigid, _ = split(matrix)
     return rigid

@@ -159,7 +159,7 @@ nb::object on_device(nb::handle_t<DeviceList> self, const Number* first, std::si
     const std::size_t shape[2] = {of.list.room, columns};
     return nb::cast(nb::ndarray<nb::array_api, const Number>(first, columns > 0 ? 2 : 1, shape,
                                                              self, nullptr, nb::dtype<Number>(),
-                                                             nb::device::cuda::value, 0));
+                                                             nb::device::cuda::value, of.device));
 }
 
 }  // namespace
@@ -325,10 +325,11 @@ void bind_contacts(nb::module_& module) {
         .def_prop_ro(
             "count",
             [](nb::handle_t<DeviceList> self) {
+                const auto& of = nb::cast<const DeviceList&>(self);
                 const std::size_t one[1] = {1};
                 return nb::cast(nb::ndarray<nb::array_api, const std::uint32_t>(
-                    nb::cast<const DeviceList&>(self).list.count, 1, one, self, nullptr,
-                    nb::dtype<std::uint32_t>(), nb::device::cuda::value, 0));
+                    of.list.count, 1, one, self, nullptr, nb::dtype<std::uint32_t>(),
+                    nb::device::cuda::value, of.device));
             },
             "How many there are, uint32 (1,).");
     const auto column_of = [&](const char* name, auto member, std::size_t columns,

@@ -32,6 +32,7 @@ private:
 /// Contacts in device memory, and the world whose step wrote them.
 struct DeviceList {
     DeviceContactList list;
+    int device = 0;  ///< whose memory it is in
     nb::object world;
 };
 

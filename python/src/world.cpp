@@ -251,8 +251,8 @@ void bind_steps(nb::class_<PyWorld>& c) {
             [](nb::handle_t<PyWorld> self, std::uint32_t part) {
                 const Use world(nb::cast<PyWorld&>(self));
                 const DeviceContacts found = world->device_contacts(part);
-                return nb::make_tuple(DeviceList{found.solids, nb::borrow(self)},
-                                      DeviceList{found.sheets, nb::borrow(self)});
+                return nb::make_tuple(DeviceList{found.solids, found.device, nb::borrow(self)},
+                                      DeviceList{found.sheets, found.device, nb::borrow(self)});
             },
             nb::arg("part") = 0,
             nb::sig("def device_contacts(self, part: int = 0) -> tuple[DeviceContactList, "

@@ -207,6 +207,42 @@ bool Coupling::is_aside(const Contact& contact, const Binding& a, const Binding&
                                : is_foremost(mesh, contact.vertex, way));
 }
 
+bool Coupling::is_convex(Binding& binding) const {
+    const MeshId mesh = world_.mesh_of(binding.body);
+    if (binding.judged != mesh) {
+        binding.judged = mesh;
+        binding.is_convex = pierce::is_convex(world_.mesh(mesh));
+    }
+    return binding.is_convex;
+}
+
+namespace {
+
+/// Contacts at right angles ask for a way up to 1.8 times as long as the deepest one does.
+constexpr double longest_detour = 2;
+
+/// True if contacts lead against each other, or say how far one of the bodies has to go as a whole.
+bool are_at_odds(std::span<const Contact> contacts) {
+    double deepest = 0;
+    for (const Contact& c : contacts) {
+        if (c.found == Found::separation) return true;
+        deepest = std::max(deepest, c.penetration_depth());
+    }
+    const std::optional<Parting> way = least_translation(contacts);
+    return !way || way->depth > longest_detour * deepest;
+}
+
+}  // namespace
+
+/// For convex bodies that are deep in each other. Of other bodies, those that are linked have such
+/// contacts, too, and their way apart is long.
+std::optional<Parting> Coupling::way_apart(Binding& a, Binding& b,
+                                           std::span<const Contact> contacts) {
+    if (contacts.empty() || !is_convex(a) || !is_convex(b) || !are_at_odds(contacts))
+        return std::nullopt;
+    return world_.parting(a.body, b.body);
+}
+
 void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) {
     const bool in_order = first.body.index <= second.body.index;
     Binding &a = in_order ? first : second, &b = in_order ? second : first;
@@ -219,9 +255,9 @@ void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) 
     std::vector<Contact> others;
     const bool leaves_out = std::ranges::any_of(contacts, is_left_out);
     if (leaves_out) std::ranges::remove_copy_if(contacts, std::back_inserter(others), is_left_out);
-    algorithm.write_manifolds(side(a), side(b),
-                              leaves_out ? std::span<const Contact>(others) : contacts,
-                              most_per_pair_, impacts_of(a.body, b.body));
+    algorithm.write_manifolds(
+        side(a), side(b), leaves_out ? std::span<const Contact>(others) : contacts, most_per_pair_,
+        impacts_of(a.body, b.body), way_apart(a, b, contacts));
 }
 
 void Coupling::write_self() {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bullet/pair_algorithm.hpp"
+#include "pierce/parting.hpp"
 #include "pierce/world.hpp"
 
 namespace pierce::bullet {
@@ -22,6 +23,8 @@ struct Binding {
     std::vector<Vec3f> positions;         ///< of a soft one
     std::vector<btSoftBody::Face> faces;  ///< by triangle; contacts keep their addresses
     bool takes_contacts = true;  ///< of a soft one: nothing in its arrays is of an earlier step
+    MeshId judged;               ///< the mesh of which `is_convex` is true or not
+    bool is_convex = false;
 };
 
 /// Bullet's objects and the bodies they are bound to: places go to the World, contacts come back.
@@ -74,6 +77,8 @@ private:
     std::span<const ImpactContact> impacts_of(BodyId a, BodyId b) const;
     ContactSide side(const Binding& binding);
     std::uint32_t write_soft(Binding& a, Binding& b, std::span<const Contact> contacts);
+    bool is_convex(Binding& binding) const;
+    std::optional<Parting> way_apart(Binding& a, Binding& b, std::span<const Contact> contacts);
     bool is_aside(const Contact& contact, const Binding& a, const Binding& b) const;
 
     World& world_;

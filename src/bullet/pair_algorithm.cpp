@@ -167,11 +167,13 @@ void take_impulses(btManifoldPoint& point, const btManifoldPoint& last) {
 /// The points of at most `most` of the contacts; those of the last step that go on in them are
 /// taken from `last`.
 Points make_points(const ContactSide& a, const ContactSide& b, std::span<const Contact> contacts,
-                   std::uint32_t most, PointMap& last) {
+                   std::uint32_t most, const std::optional<Parting>& way_apart, PointMap& last) {
     Points points;
     for (const ReducedContact& reduced : reduce(contacts, most)) {
         const Contact& contact = contacts[reduced.contact];
-        btManifoldPoint point = make_point(face_frame(contact), *a.object, *b.object);
+        btManifoldPoint point = make_point(
+            way_apart ? parting_frame(contact, *way_apart) : face_frame(contact), *a.object,
+            *b.object);
         point.m_index0 = bullet_index(a, contact.triangle, contact.source == Side::b);
         point.m_index1 = bullet_index(b, contact.triangle, contact.source == Side::a);
         if (const auto before = last.find(contact.feature()); before != last.end()) {
@@ -225,15 +227,16 @@ void PairAlgorithm::set_written(std::uint32_t count) {
 
 void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
                                     std::span<const Contact> contacts, std::uint32_t most,
-                                    std::span<const ImpactContact> impacts) {
+                                    std::span<const ImpactContact> impacts,
+                                    const std::optional<Parting>& way_apart) {
     const btScalar threshold = breaking_threshold(*a.object, *b.object);
     PointMap last = manifolds_->take_points();
     Points points;
     // The way out of a whole body says nothing about linked bodies that overlap by little: it would
     // push one through the other.
-    if (leads_far(contacts, threshold))
+    if (!way_apart && leads_far(contacts, threshold))
         points = take_holding(last, *a.object, *b.object, threshold);
-    if (points.empty()) points = make_points(a, b, contacts, most, last);
+    if (points.empty()) points = make_points(a, b, contacts, most, way_apart, last);
     add_meetings(a, b, impacts, points);
     manifolds_->put_points(*m_dispatcher, a, b, points);
     for (const auto& [feature, point] : last)

@@ -4,11 +4,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "pierce/contact.hpp"
 #include "pierce/impact_contact.hpp"
 #include "pierce/mesh.hpp"
+#include "pierce/parting.hpp"
 
 class btCollisionObject;
 
@@ -32,10 +34,12 @@ public:
     /// Fills the manifolds anew with at most `most` of the contacts, which are all of this pair.
     /// Points of a vertex that was in contact before keep their impulses. If contacts by separation
     /// are deeper than Bullet's breaking threshold, points of the last step that still hold stay
-    /// instead. What the pair meets in this step adds a point each, with a distance.
+    /// instead. What the pair meets in this step adds a point each, with a distance. A way apart
+    /// acts at all points instead of what the contacts say.
     void write_manifolds(const ContactSide& a, const ContactSide& b,
                          std::span<const Contact> contacts, std::uint32_t most,
-                         std::span<const ImpactContact> impacts);
+                         std::span<const ImpactContact> impacts,
+                         const std::optional<Parting>& way_apart);
     /// Notes that so many contacts of the pair went to soft bodies, which need no manifold.
     void note_soft(std::uint32_t count);
 

@@ -28,6 +28,8 @@ pierce_status guarded(Call&& call) noexcept {
         return failed(PIERCE_INVALID_INPUT, error.what());
     } catch (const NotBuilt& error) {
         return failed(PIERCE_NOT_BUILT, error.what());
+    } catch (const OutOfMemory& error) {
+        return failed(PIERCE_OUT_OF_MEMORY, error.what());
     } catch (const std::bad_alloc&) {
         return failed(PIERCE_OUT_OF_MEMORY, "out of memory");
     } catch (const std::exception& error) {

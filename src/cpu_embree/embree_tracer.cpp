@@ -8,6 +8,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "cpu_embree/embree_tree.hpp"
+#include "pierce/error.hpp"
 
 namespace pierce {
 namespace {
@@ -47,6 +48,7 @@ struct EmbreeTracer::State {
     /// errors of its own.
     void check() const {
         const RTCError error = rtcGetDeviceError(device);
+        if (error == RTC_ERROR_OUT_OF_MEMORY) throw OutOfMemory("Embree has no memory left");
         if (error != RTC_ERROR_NONE)
             throw std::runtime_error("Embree reports error " +
                                      std::to_string(static_cast<int>(error)));

@@ -47,13 +47,13 @@ public:
         board.count.store(count, std::memory_order_relaxed);
         board.grain.store(grain, std::memory_order_relaxed);
         board.done.store(0, std::memory_order_relaxed);
+        call_helpers();  // it may throw: nobody has the work yet
         ++stage_;
         // From here on helpers may take shares.
         for (std::uint32_t k = 0; k < board.size; ++k)
             board.members[k].left.store(
                 std::uint64_t{stage_} << 32 | (board.end_of(k, count) - board.end_of(k - 1, count)),
                 std::memory_order_release);
-        call_helpers();
         board.take_part(stage_, 0);
         for (std::uint32_t pauses = 0; board.done.load(std::memory_order_acquire) != count;
              ++pauses)
@@ -172,7 +172,12 @@ private:
             };
             // A deferred task is complete before its last TsanOrder is copied; run(help) would
             // write on.
-            arena_.execute([&] { helpers_.run(helpers_.defer(help)); });
+            try {
+                arena_.execute([&] { helpers_.run(helpers_.defer(help)); });
+            } catch (...) {
+                board_.members[k].present.store(false, std::memory_order_relaxed);
+                throw;
+            }
         }
     }
 

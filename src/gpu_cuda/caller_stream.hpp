@@ -2,6 +2,8 @@
 
 #include <cuda_runtime_api.h>
 
+#include <utility>
+
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/on_device.hpp"
 
@@ -12,19 +14,19 @@ class CallerStream {
 public:
     CallerStream() = default;
     CallerStream(const CallerStream&) = delete;
-    ~CallerStream() { forget(); }
+    ~CallerStream() {
+        for (cudaEvent_t event : {is_ready_, is_done_})
+            if (event != nullptr) cudaEventDestroy(event);
+    }
 
-    /// Null: there is none. To be called where the device that has the steps is the current one.
+    /// Null: there is none. If it throws, the stream stays the one before. To be called where the
+    /// device that has the steps is the current one.
     void set(cudaStream_t stream) {
-        forget();
-        if (stream == nullptr) return;
-        int device = 0;
-        check(cudaStreamGetDevice(stream, &device), "the device of a stream");
-        // An event is recorded on the device that has made it.
-        make(is_done_);
-        const OnDevice there(device);
-        make(is_ready_);
-        stream_ = stream;
+        CallerStream other;
+        if (stream != nullptr) other.open(stream);
+        std::swap(stream_, other.stream_);
+        std::swap(is_ready_, other.is_ready_);
+        std::swap(is_done_, other.is_done_);
     }
     /// What is issued on `ours` from now on begins when all is done that the caller has issued.
     void hold_up(cudaStream_t ours) {
@@ -36,19 +38,21 @@ public:
     }
 
 private:
+    void open(cudaStream_t stream) {
+        int device = 0;
+        check(cudaStreamGetDevice(stream, &device), "the device of a stream");
+        // An event is recorded on the device that has made it.
+        make(is_done_);
+        const OnDevice there(device);
+        make(is_ready_);
+        stream_ = stream;
+    }
     static void make(cudaEvent_t& event) {
         check(cudaEventCreateWithFlags(&event, cudaEventDisableTiming), "an event");
     }
     static void pass(cudaStream_t from, cudaEvent_t event, cudaStream_t to) {
         check(cudaEventRecord(event, from), "an event");
         check(cudaStreamWaitEvent(to, event), "an event");
-    }
-    void forget() {
-        for (cudaEvent_t* event : {&is_ready_, &is_done_}) {
-            if (*event != nullptr) cudaEventDestroy(*event);
-            *event = nullptr;
-        }
-        stream_ = nullptr;
     }
 
     cudaStream_t stream_ = nullptr;

@@ -94,9 +94,10 @@ public:
         if (part > 0) throw InputError("there is one part only");
         const cuda::OnDevice here(device_);
         const View<const BodyView> bodies = mirror().scene().bodies;
-        DeviceContacts contacts;
+        DeviceContacts contacts{.solids = {}, .sheets = {}, .device = device_};
         contacts.solids = solids_.fill(executor(), pipeline().contacts(), bodies, worlds);
-        if (mirror().scene().plan->sheets)
+        // Since the step, sheets may have gone.
+        if (mirror().scene().plan->sheets || !pipeline().sheet_contacts().empty())
             contacts.sheets = sheets_.fill(executor(), pipeline().sheet_contacts(), bodies, worlds);
         caller_.let_go_on(stream());
         return contacts;
@@ -273,10 +274,7 @@ private:
         if (fetched_) return;
         const cuda::OnDevice here(device_);
         const std::uint32_t others = executor().number(count_of(pipeline().contacts()));
-        const std::uint32_t of_sheets = mirror().scene().plan->sheets
-                                            ? executor().number(
-                                                  count_of(pipeline().sheet_contacts()))
-                                            : 0;
+        const std::uint32_t of_sheets = executor().number(count_of(pipeline().sheet_contacts()));
         contacts_.resize(others + of_sheets);
         pairs_.resize(executor().number(count_of(pipeline().pairs())));
         executor().copy_to_host(contacts_.data(), pipeline().contacts().data(), others);

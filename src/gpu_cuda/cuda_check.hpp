@@ -5,12 +5,17 @@
 #include <stdexcept>
 #include <string>
 
+#include "pierce/error.hpp"
+
 namespace pierce::cuda {
 
-/// Throws std::runtime_error, saying what failed, unless a call to CUDA succeeded.
+/// Throws, saying what failed, unless a call to CUDA succeeded: OutOfMemory where a device has none
+/// left, std::runtime_error otherwise.
 inline void check(cudaError_t error, const char* what) {
-    if (error != cudaSuccess)
-        throw std::runtime_error(std::string("CUDA: ") + what + ": " + cudaGetErrorString(error));
+    if (error == cudaSuccess) return;
+    const std::string message = std::string("CUDA: ") + what + ": " + cudaGetErrorString(error);
+    if (error == cudaErrorMemoryAllocation) throw OutOfMemory(message);
+    throw std::runtime_error(message);
 }
 
 }  // namespace pierce::cuda

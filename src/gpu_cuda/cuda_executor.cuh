@@ -21,6 +21,7 @@
 #include "gpu_cuda/branch.cuh"
 #include "gpu_cuda/counting_sort.cuh"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/device_copy.hpp"
 #include "gpu_cuda/emit_stage.cuh"
 #include "gpu_cuda/stage_kernels.cuh"
 #include "pierce/min_max.hpp"
@@ -156,6 +157,7 @@ public:
     }
 
     bool is_empty(const Count& n) const { return n.bound() == 0; }
+    static Count times(std::uint32_t k, const Count& n) { return k * n; }
 
     /// Runs work that does nothing if the test holds for no item. A captured step leaves the work
     /// out then.
@@ -178,12 +180,20 @@ public:
     }
 
     /// Runs work again and again until `left()` is zero. A bounded step repeats it as often as the
-    /// longest exact step so far, and once more; it did not fit if something is left then.
+    /// longest exact step so far, and once more; it did not fit if something is left then. A round
+    /// reads totals of the round before, so two rounds' places for them serve all in turn; emit()
+    /// needs new ones.
     template <class Left, class Work>
     void repeat(ListId id, const Left& left, const Work& work) {
         std::uint32_t& most = rounds_[static_cast<std::size_t>(id)];
-        std::uint32_t round = 0;
-        for (; bounded_ ? round <= most : left().bound() > 0; ++round) work();
+        const std::uint32_t begin = next_;
+        std::uint32_t round = 0, of_round = 0;
+        for (; bounded_ ? round <= most : left().bound() > 0; ++round) {
+            next_ = begin + round % 2 * of_round;
+            work();
+            if (round == 0) of_round = next_ - begin;
+        }
+        next_ = begin + 2 * of_round;
         if (!bounded_)
             most = max_of(round, most);
         else
@@ -224,8 +234,8 @@ public:
         const auto offsets = thrust::make_tabulate_output_iterator(
             cuda::WriteOffset{count, out.data, to});
         with_scratch([&](void* scratch, std::size_t& bytes) {
-            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets,
-                                                 static_cast<int>(n.bound()), stream_);
+            return cub::DeviceScan::ExclusiveSum(scratch, bytes, counts, offsets, cub_items(n),
+                                                 stream_);
         });
         return noted(id, to);
     }
@@ -267,8 +277,7 @@ public:
             return cub::DeviceSelect::If(
                 scratch, bytes, thrust::counting_iterator<std::uint32_t>(0),
                 thrust::make_transform_output_iterator(out.data, cuda::ListedAt<F>{wanted}),
-                thrust::make_tabulate_output_iterator(to), static_cast<int>(n.bound()), is_wanted,
-                stream_);
+                thrust::make_tabulate_output_iterator(to), cub_items(n), is_wanted, stream_);
         });
         return noted(id, to);
     }
@@ -288,7 +297,7 @@ public:
         with_scratch([&](void* scratch, std::size_t& bytes) {
             return cub::DeviceRadixSort::SortPairs(
                 scratch, bytes, std::as_const(keys.data), sorted_keys.data, values.data,
-                sorted_values.data, static_cast<int>(n.bound()), 0, bits, stream_);
+                sorted_values.data, cub_items(n), 0, bits, stream_);
         });
     }
 
@@ -354,8 +363,7 @@ public:
 
     template <class T>
     void copy(T* to, const T* from, std::size_t count, cudaMemcpyKind kind) const {
-        if (count > 0)
-            cuda::check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream_), "a copy");
+        cuda::copy(to, from, count, kind, stream_);
     }
 
     template <class T>
@@ -380,6 +388,12 @@ private:
 
     void wait_for_step() const {
         if (!is_finished_) wait();
+    }
+
+    static int cub_items(const Count& n) {
+        if (n.bound() > static_cast<std::uint32_t>(std::numeric_limits<int>::max()))
+            throw std::length_error("a sort or a sum of 2^31 things or more");
+        return static_cast<int>(n.bound());
     }
 
     cuda::Items items(const Count& n) const { return {n, overflow_.data() + is_beside_}; }
@@ -480,10 +494,10 @@ private:
                      View<std::uint32_t> sorted_values) {
         const auto sort = [&](void* scratch, std::size_t& bytes, const std::uint32_t* from,
                               std::uint32_t* to) {
-            cuda::check(cub::DeviceRadixSort::SortPairs(
-                            scratch, bytes, from, to, values.data, sorted_values.data,
-                            static_cast<int>(n.bound()), 0, bits, stream_),
-                        "a sort");
+            cuda::check(
+                cub::DeviceRadixSort::SortPairs(scratch, bytes, from, to, values.data,
+                                                sorted_values.data, cub_items(n), 0, bits, stream_),
+                "a sort");
         };
         std::size_t bytes = 0;
         sort(nullptr, bytes, nullptr, nullptr);

@@ -9,6 +9,7 @@
 
 #include "core/device/view.hpp"
 #include "gpu_cuda/cuda_check.hpp"
+#include "gpu_cuda/device_copy.hpp"
 #include "gpu_cuda/device_count.hpp"
 #include "gpu_cuda/turns.hpp"
 
@@ -66,10 +67,7 @@ private:
         check(cudaMallocAsync(&larger, capacity * sizeof(T), nullptr),
               "allocation of device memory");
         check(cudaDeviceSynchronize(), "waiting for the device");
-        if (count_.bound() > 0)
-            check(cudaMemcpyAsync(larger, data_, count_.bound() * sizeof(T),
-                                  cudaMemcpyDeviceToDevice, nullptr),
-                  "copy on the device");
+        copy(larger, data_, count_.bound(), cudaMemcpyDeviceToDevice, nullptr);
         if (data_ != nullptr) check(cudaFreeAsync(data_, nullptr), "return of device memory");
         check(cudaStreamSynchronize(nullptr), "waiting for the device");
         data_ = larger;

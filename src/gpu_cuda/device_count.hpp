@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include "core/device/number.hpp"
+#include "core/execute/list_length.hpp"
 
 namespace pierce::cuda {
 
 /// How many items there are: a number that the host knows, or one that only the device knows, with
-/// a bound. It does not convert to a number, as bounded steps know none: CudaExecutor::number() is
-/// for code that may wait for the device.
+/// a bound.
 class DeviceCount : public Number {
 public:
     DeviceCount() = default;
@@ -20,6 +20,9 @@ public:
         bound_ = most;
         terms_[0] = {total, times};
     }
+
+    /// Bounded steps know no numbers on the host: CudaExecutor::number() is for code that may wait.
+    operator std::uint32_t() const = delete;
 
     std::uint32_t bound() const { return bound_; }
     /// True if the host knows the number, which is the bound.
@@ -43,17 +46,19 @@ public:
         return count;
     }
 
+    /// Throws std::length_error for 2^32 things or more.
     template <std::integral N>
     friend DeviceCount operator*(N times, DeviceCount c) {
         const auto by = static_cast<std::uint32_t>(times);
-        c.bound_ *= by;
+        c.bound_ = list_length(std::uint64_t{by} * c.bound_);
         c.known_ *= by;
         for (Term& term : c.terms_) term.times *= by;
         return c;
     }
-    /// Throws std::logic_error if the sum has more terms than there is room for.
+    /// Throws std::length_error for 2^32 things or more, std::logic_error if the sum has more terms
+    /// than there is room for.
     friend DeviceCount operator+(DeviceCount a, const DeviceCount& b) {
-        a.bound_ += b.bound_;
+        a.bound_ = list_length(std::uint64_t{a.bound_} + b.bound_);
         a.known_ += b.known_;
         std::uint32_t end = 0;
         while (end < most_terms && a.terms_[end].total != nullptr) ++end;

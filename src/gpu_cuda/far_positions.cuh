@@ -10,6 +10,7 @@
 #include "core/device/view.hpp"
 #include "gpu_cuda/cuda_check.hpp"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/device_copy.hpp"
 #include "gpu_cuda/on_device.hpp"
 
 namespace pierce::cuda {
@@ -95,9 +96,7 @@ private:
             are_ghosts_ = are_ghosts_ && far.is_ghost;
         }
         listed_.resize(static_cast<std::uint32_t>(count));
-        check(cudaMemcpyAsync(listed_.data(), staged, count * sizeof(FarBody),
-                              cudaMemcpyHostToDevice, stream_),
-              "a copy");
+        copy(listed_.data(), staged, count, cudaMemcpyHostToDevice, stream_);
         differs_ = false;
     }
 

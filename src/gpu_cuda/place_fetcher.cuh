@@ -9,6 +9,7 @@
 #include "core/body/fetched_place.hpp"
 #include "core/device/view.hpp"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/device_copy.hpp"
 #include "gpu_cuda/far_positions.cuh"
 
 namespace pierce::cuda {
@@ -71,12 +72,6 @@ public:
     }
 
 private:
-    template <class T>
-    static void copy(T* to, const T* from, std::size_t count, cudaMemcpyKind kind,
-                     cudaStream_t stream) {
-        if (count > 0) check(cudaMemcpyAsync(to, from, count * sizeof(T), kind, stream), "a copy");
-    }
-
     StagingBuffer<FarBody> staged_far_;
     StagingBuffer<DevicePose> staged_from_;
     StagingBuffer<Pose> poses_on_host_;

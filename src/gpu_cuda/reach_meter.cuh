@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cmath>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/body/reach.hpp"
 #include "core/device/view.hpp"
 #include "gpu_cuda/device_buffer.hpp"
+#include "gpu_cuda/device_copy.hpp"
 #include "pierce/pose.hpp"
 
 namespace pierce::cuda {
@@ -90,9 +92,7 @@ public:
             }
             sources_.resize(some.size);
             reach_.resize(some.size);
-            check(cudaMemcpyAsync(sources_.data(), sources, some.size * sizeof(ReachSource),
-                                  cudaMemcpyHostToDevice, stream),
-                  "a copy to the device");
+            copy(sources_.data(), sources, some.size, cudaMemcpyHostToDevice, stream);
         }
         grown_.resize(1);
         check(cudaMemsetAsync(grown_.data(), 0, sizeof(unsigned long long), stream), "a zero");
@@ -101,24 +101,19 @@ public:
             grown_.data());
         check(cudaGetLastError(), "a launch");
         if (told_.empty()) return INFINITY;
-        double* const grown = grown_on_host_.resize(1);
-        check(cudaMemcpyAsync(grown, grown_.data(), sizeof(double), cudaMemcpyDeviceToHost, stream),
-              "a copy to the host");
+        unsigned long long* const grown = grown_on_host_.resize(1);
+        copy(grown, grown_.data(), 1, cudaMemcpyDeviceToHost, stream);
         check(cudaStreamSynchronize(stream), "waiting for the device");
-        return *grown;
+        return std::bit_cast<double>(*grown);
     }
 
     /// As Backend::fetch_reach(). Waits for the device.
     void fetch(View<const std::uint32_t> some, View<Box> reach, cudaStream_t stream) {
         if (some.size == 0) return;
         told_.resize(some.size);
-        check(cudaMemcpyAsync(told_.data(), reach_.data(), some.size * sizeof(Box),
-                              cudaMemcpyDeviceToDevice, stream),
-              "a copy on the device");
+        copy(told_.data(), reach_.data(), some.size, cudaMemcpyDeviceToDevice, stream);
         Box* const found = found_.resize(some.size);
-        check(cudaMemcpyAsync(found, reach_.data(), some.size * sizeof(Box), cudaMemcpyDeviceToHost,
-                              stream),
-              "a copy to the host");
+        copy(found, reach_.data(), some.size, cudaMemcpyDeviceToHost, stream);
         check(cudaStreamSynchronize(stream), "waiting for the device");
         for (std::uint32_t k = 0; k < some.size; ++k) reach[some[k]] = found[k];
     }
@@ -126,7 +121,7 @@ public:
 private:
     StagingBuffer<ReachSource> staged_;
     StagingBuffer<Box> found_;
-    StagingBuffer<double> grown_on_host_;
+    StagingBuffer<unsigned long long> grown_on_host_;
     DeviceBuffer<ReachSource> sources_;
     DeviceBuffer<Box> reach_, told_;
     DeviceBuffer<unsigned long long> grown_;

@@ -16,26 +16,26 @@ namespace pierce::mpi {
 
 std::vector<Contact> World::gather_contacts(int root) const {
     const State& s = *state_;
+    std::vector<std::string> to(s.others.size());
     const std::exception_ptr failure = failure_of([&] {
         if (root < 0 || root >= ranks())
             throw InputError("there is no rank " + std::to_string(root));
         if (s.detected && !s.inside.planned)
             throw InputError(
                 "gather_contacts needs a detect() after bodies were added, removed or changed");
+        const stages::PairKeys keys{s.by_world};
+        const View<const BodyView> bodies = view_of(s.inside.views);
+        std::vector<GatheredContact> mine;
+        for (const Contact& c : contacts()) {
+            GatheredContact gathered;
+            gathered.pair_key = keys.key(bodies, c.a.index, c.b.index);
+            gathered.of_sheets = !is_by_ray(c, bodies);
+            gathered.contact = c;
+            mine.push_back(gathered);
+        }
+        append_items<GatheredContact>(to[static_cast<std::size_t>(root)], mine);
     });
     if (any_failed(s.comm, failure)) throw_failure(s.comm, failure);
-    const stages::PairKeys keys{s.by_world};
-    const View<const BodyView> bodies = view_of(s.inside.views);
-    std::vector<GatheredContact> mine;
-    for (const Contact& c : contacts()) {
-        GatheredContact gathered;
-        gathered.pair_key = keys.key(bodies, c.a.index, c.b.index);
-        gathered.of_sheets = !is_by_ray(c, bodies);
-        gathered.contact = c;
-        mine.push_back(gathered);
-    }
-    std::vector<std::string> to(s.others.size());
-    append_items<GatheredContact>(to.at(static_cast<std::size_t>(root)), mine);
     std::vector<GatheredContact> all;
     for (const std::string& its : Exchange(s.comm, std::move(to)).finish()) {
         std::size_t at = 0;

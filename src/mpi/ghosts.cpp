@@ -27,11 +27,15 @@ void World::State::agree_on_news() {
         forgets_sides = forgets_sides || flags.forgets_sides;
     }
     if (!any_news) return;
-    make_lists();
-    news.kinds = {};
-    for (const std::uint32_t b : own) news.kinds.add(inside.kinds_of(entry(b)));
-    if (!left_out.empty()) news.worlds = local.worlds();
-    const std::vector<std::string> all = comm.all_gather(to_bytes(news));
+    std::string mine;
+    together([&] {
+        make_lists();
+        news.kinds = {};
+        for (const std::uint32_t b : own) news.kinds.add(inside.kinds_of(entry(b)));
+        if (!left_out.empty()) news.worlds = local.worlds();
+        mine = to_bytes(news);
+    });
+    const std::vector<std::string> all = comm.all_gather(mine);
     const std::vector<BodyId> added = std::exchange(news, {}).added;
     has_news = false;
     try {

@@ -153,6 +153,13 @@ private:
         const std::exception_ptr failure = failure_of(run);
         if (any_failed(comm_, failure)) throw_failure(comm_, failure);
     }
+    /// What each rank makes; throws on all ranks if one fails.
+    template <class Make>
+    std::vector<std::string> made_by_all(const Make& make) const {
+        std::string bytes;
+        together([&] { bytes = make(); });
+        return comm_.all_gather(bytes);
+    }
 
     void find_contacts(const Scene& whole, StepStats& stats) {
         const bool anew = revision_ != whole.plan->revision;
@@ -167,7 +174,7 @@ private:
             for (std::uint32_t p = 0; p < partition_.parts(); ++p) partition_.look_around(p);
             moved = partition_.cut(whole);
         });
-        scene_.show(whole, partition_, anew || moved);
+        together([&] { scene_.show(whole, partition_, anew || moved); });
         hand_out(whole, moved);
         RankResult found;
         together([&] {
@@ -196,48 +203,66 @@ private:
             given = gathered_memory(owners);
             gather_seen(owners, whole.ids, whole.seen);
         }
-        backend_->remember(part_of_memory(*given, [&](Pair pair) {
-            return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
-                   part_of(whole.bodies, pair) == part();
-        }));
-        scene_.copy_seen(whole);
+        together([&] {
+            backend_->remember(part_of_memory(*given, [&](Pair pair) {
+                return pair.a < whole.bodies.size && pair.b < whole.bodies.size &&
+                       part_of(whole.bodies, pair) == part();
+            }));
+            scene_.copy_seen(whole);
+        });
     }
 
     StepMemory gathered_memory(std::span<const std::uint32_t> owners) const {
-        StepMemory mine = backend_->memory();
-        std::vector<StepMemory> all;
-        for (std::string& bytes : comm_.all_gather(to_bytes(mine)))
-            all.push_back(from_bytes<StepMemory>(std::move(bytes)));
-        return join_memory(all, owners);
+        std::vector<std::string> all = made_by_all([&] {
+            StepMemory mine = backend_->memory();
+            return to_bytes(mine);
+        });
+        StepMemory joined;
+        together([&] {
+            std::vector<StepMemory> of_ranks;
+            for (std::string& bytes : all)
+                of_ranks.push_back(from_bytes<StepMemory>(std::move(bytes)));
+            joined = join_memory(of_ranks, owners);
+        });
+        return joined;
     }
 
     /// How deforming bodies looked in the last step, which their owners know.
     void gather_seen(std::span<const std::uint32_t> owners, View<const BodyId> ids,
                      View<const View<SeenPatch>> seen) const {
-        std::vector<BodyId> own(ids.begin(), ids.end());
-        for (std::size_t b = 0; b < own.size(); ++b)
-            if (b >= owners.size() || owners[b] != part()) own[b] = {};
-        backend_->fetch_seen(view_of(std::as_const(own)), seen);
-        std::string bytes;
         const auto is_told = [&](std::uint32_t b, std::uint32_t by) {
             return b < owners.size() && owners[b] == by && seen[b].size > 0;
         };
-        for (std::uint32_t b = 0; b < seen.size; ++b)
-            if (is_told(b, part())) append_items<SeenPatch>(bytes, {seen[b].data, seen[b].size});
-        const std::vector<std::string> all = comm_.all_gather(bytes);
-        for (std::uint32_t from = 0; from < all.size(); ++from) {
-            std::size_t at = 0;
-            for (std::uint32_t b = 0; b < seen.size; ++b) {
-                if (!is_told(b, from)) continue;
-                std::vector<SeenPatch> patches;
-                take_items(all[from], at, patches);
-                std::ranges::copy(patches, seen[b].begin());
+        const std::vector<std::string> all = made_by_all([&] {
+            std::vector<BodyId> own(ids.begin(), ids.end());
+            for (std::size_t b = 0; b < own.size(); ++b)
+                if (b >= owners.size() || owners[b] != part()) own[b] = {};
+            backend_->fetch_seen(view_of(std::as_const(own)), seen);
+            std::string bytes;
+            for (std::uint32_t b = 0; b < seen.size; ++b)
+                if (is_told(b, part()))
+                    append_items<SeenPatch>(bytes, {seen[b].data, seen[b].size});
+            return bytes;
+        });
+        together([&] {
+            for (std::uint32_t from = 0; from < all.size(); ++from) {
+                std::size_t at = 0;
+                for (std::uint32_t b = 0; b < seen.size; ++b) {
+                    if (!is_told(b, from)) continue;
+                    std::vector<SeenPatch> patches;
+                    take_items(all[from], at, patches);
+                    std::ranges::copy(patches, seen[b].begin());
+                }
             }
-        }
+        });
     }
 
     /// Tells all ranks what this one has found, and joins the lists.
     void share(const Scene& whole, const StepStats& mine, StepStats& stats) {
+        const std::vector<std::string> all = made_by_all([&] { return result(whole, mine); });
+        together([&] { join(whole, all, stats); });
+    }
+    std::string result(const Scene& whole, const StepStats& mine) const {
         const PartLists lists(backend_->contacts(), backend_->pairs(), whole.bodies);
         std::string bytes;
         const auto append = [&]<class Item>(View<const Item> list) {
@@ -258,15 +283,17 @@ private:
                                             .sizes = scene_.sizes()}};
         append_items<Numbers>(bytes, numbers);
         append_items<StageTime>(bytes, mine.stages);
-
+        return bytes;
+    }
+    void join(const Scene& whole, std::span<const std::string> results, StepStats& stats) {
         std::vector<RankResult> all;
-        for (const std::string& its : comm_.all_gather(bytes)) {
+        for (const std::string& its : results) {
             RankResult& found = all.emplace_back();
             std::size_t at = 0;
             take_items(its, at, found.by_rays);
             take_items(its, at, found.of_sheets);
             take_items(its, at, found.pairs);
-            counts.clear();
+            std::vector<std::uint32_t> counts;
             take_items(its, at, counts);
             for (std::size_t k = 0; k < counts.size(); ++k)
                 found.stats.*added_counts()[k] = counts[k];

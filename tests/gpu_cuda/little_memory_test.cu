@@ -4,13 +4,13 @@
 #include <cuda_runtime.h>
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "gpu_cuda/cuda_check.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/cuda_backend.hpp"
+#include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
@@ -97,7 +97,7 @@ TEST(CudaLittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
                 little.take();
                 try {
                     there.detect();
-                } catch (const std::runtime_error& error) {
+                } catch (const OutOfMemory& error) {
                     EXPECT_NE(std::string(error.what()).find("out of memory"), std::string::npos)
                         << error.what();
                     EXPECT_TRUE(there.contacts().empty());

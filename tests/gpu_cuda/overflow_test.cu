@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "pierce/contact_hash.hpp"
@@ -88,6 +89,38 @@ TEST_F(OverflowTest, SoftBodiesAndThemselves) {
 TEST_F(OverflowTest, Sheets) {
     play(8, {}, scenes::grid(2, 2, 8, 8), true,
          {.self = SelfCollision::on, .sheet = true, .thickness = 0.02}, 4000);
+}
+
+// A ray that leaves many layers of its own body is followed for as many rounds.
+TEST_F(OverflowTest, ASolidOfManyLayers) {
+    constexpr int layers = 120;
+    MeshData stack;
+    for (int k = 0; k < layers; ++k) {
+        MeshData lens = scenes::geodesic_sphere(1, 3);
+        for (Vec3f& p : lens.positions) p.z = 0.25f * p.z + static_cast<float>(k);
+        stack = scenes::joined(std::move(stack), lens);
+    }
+    const std::size_t of_layer = stack.positions.size() / layers;
+    World there(cuda_backend()), here(bvh_backend());
+    std::vector<BodyId> ids;
+    for (World* world : {&there, &here}) {
+        ids.push_back(world->add_deforming_body(world->add_mesh("stack", stack)));
+        world->set_collision(ids.back(), {.self = SelfCollision::on});
+    }
+    std::size_t most = 0;
+    for (int step = 0; step < 8; ++step) {
+        std::vector<Vec3f> positions = stack.positions;
+        // The lowest lens rises into the one above it.
+        for (std::size_t v = 0; v < of_layer; ++v)
+            positions[v].z += 0.1f * static_cast<float>(step);
+        there.set_positions(ids[0], positions);
+        here.set_positions(ids[1], positions);
+        there.detect();
+        here.detect();
+        ASSERT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << "step " << step;
+        most = std::max(most, here.contacts().size());
+    }
+    EXPECT_GT(most, 0u);
 }
 
 }  // namespace

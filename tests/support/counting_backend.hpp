@@ -23,10 +23,10 @@ public:
         ++calls_.steps;
         ForwardingBackend::step(scene, stats);
     }
-    bool step_at_rest() override {
-        const bool rests = inner().step_at_rest();
-        calls_.rests += rests;
-        return rests;
+    bool can_rest() const override { return inner().can_rest(); }
+    void step_at_rest() override {
+        ++calls_.rests;
+        inner().step_at_rest();
     }
 
 private:

@@ -40,7 +40,7 @@ public:
     }
 
 protected:
-    Backend& inner() { return *inner_; }
+    Backend& inner() const { return *inner_; }
 
 private:
     std::unique_ptr<Backend> inner_;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <new>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "core/execute/serial_executor.hpp"
@@ -45,9 +46,20 @@ public:
     /// How many more lists there is memory for, if not null.
     std::uint32_t* lists_left = nullptr;
 
+    template <class T>
+    void assign(HostBuffer<T>& buffer, std::uint32_t count, const T& value) {
+        need_memory();
+        HostExecutor::assign(buffer, count, value);
+    }
+    template <class T>
+    void upload(std::span<const T> items, HostBuffer<T>& buffer) {
+        need_memory();
+        HostExecutor::upload(items, buffer);
+    }
+
     template <class F, class... T>
     void emit(ListId, std::uint32_t n, const F& finder, HostBuffer<T>&... lists) {
-        if (lists_left != nullptr && (*lists_left)-- == 0) throw std::bad_alloc();
+        need_memory();
         for (std::uint32_t i : shuffled(n)) finder.find(i);
         std::vector<std::uint32_t> blocks((n + block - 1) / block);
         std::iota(blocks.begin(), blocks.end(), 0u);
@@ -79,6 +91,10 @@ public:
 
 private:
     static constexpr std::uint32_t block = 8;
+
+    void need_memory() {
+        if (lists_left != nullptr && (*lists_left)-- == 0) throw std::bad_alloc();
+    }
 
     /// The numbers below n: steps of a length that has no factor in common with n lead to all of
     /// them.

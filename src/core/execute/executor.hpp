@@ -69,6 +69,7 @@ concept Executor = requires(E executor, typename E::Count n, View<const std::uin
     executor.reduce(n, detail::AnyTerm{}, sum);
     { executor.read(sum) } -> std::same_as<detail::AnySum>;
     { executor.number(n) } -> std::same_as<std::uint32_t>;
+    { executor.times(2, n) } -> std::same_as<typename E::Count>;
     // True for so few groups of sixteen that there are enough threads for each of the sixteen.
     { executor.are_few_sixteens(n) } -> std::same_as<bool>;
     { executor.in_sixteens(n) } -> std::same_as<typename E::Count>;

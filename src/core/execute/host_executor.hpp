@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/execute/executor_traits.hpp"
 #include "core/execute/list_id.hpp"
+#include "core/execute/list_length.hpp"
 
 namespace pierce {
 
@@ -53,13 +52,6 @@ public:
         resize(count);
     }
 };
-
-/// The length of a list. Throws std::length_error for 2^32 things or more.
-inline std::uint32_t list_length(std::uint64_t things) {
-    if (things > std::numeric_limits<std::uint32_t>::max())
-        throw std::length_error("a step would list 2^32 things or more");
-    return static_cast<std::uint32_t>(things);
-}
 
 template <class T>
 std::uint32_t count_of(const HostBuffer<T>& buffer) {
@@ -107,6 +99,11 @@ public:
     template <class Left, class Work>
     void repeat(ListId, const Left& left, const Work& work) {
         while (left() > 0) work();
+    }
+
+    /// So many times a count. Throws std::length_error for 2^32 things or more.
+    static std::uint32_t times(std::uint32_t k, std::uint32_t count) {
+        return list_length(std::uint64_t{k} * count);
     }
 
     /// A count as a number.

@@ -6,6 +6,7 @@
 #include "core/execute/executor.hpp"
 #include "core/execute/host_executor.hpp"
 #include "core/execute/host_sort.hpp"
+#include "core/execute/list_length.hpp"
 #include "core/execute/stage_traits.hpp"
 
 namespace pierce {

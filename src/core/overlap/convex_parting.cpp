@@ -9,6 +9,7 @@
 #include "core/mesh/half_edges.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
+#include "pierce/parting.hpp"
 
 namespace pierce {
 namespace {
@@ -105,6 +106,12 @@ struct Shortest {
 };
 
 }  // namespace
+
+bool is_convex(const Mesh& mesh) {
+    PlacedSurface surface{.points = {}, .triangles = mesh.triangles()};
+    for (const Vec3f p : mesh.positions()) surface.points.push_back(to_double(p));
+    return convex_surface(surface).has_value();
+}
 
 std::optional<Vec3d> shortest_convex_parting(const PlacedSurface& first,
                                              const PlacedSurface& second) {

@@ -94,7 +94,13 @@ bool PartitionedBackend::certificates_pay() const {
 }
 
 void PartitionedBackend::set_stream(void* stream) {
-    for (Share& part : parts_) part.backend->set_stream(stream);
+    try {
+        for (Share& part : parts_) part.backend->set_stream(stream);
+    } catch (...) {
+        for (Share& part : parts_) part.backend->set_stream(stream_);
+        throw;
+    }
+    stream_ = stream;
 }
 
 DeviceContacts PartitionedBackend::device_contacts(std::uint32_t part, std::uint32_t worlds) {
@@ -126,12 +132,13 @@ void PartitionedBackend::remember(const StepMemory& memory) {
     given_ = memory;
 }
 
-bool PartitionedBackend::step_at_rest() {
-    if (std::ranges::any_of(parts_, &PartitionedBackend::is_on_device)) return false;
-    for (Share& part : parts_)
-        if (!part.backend->step_at_rest()) return false;
+bool PartitionedBackend::can_rest() const {
+    return std::ranges::all_of(parts_, [](const Share& part) { return part.backend->can_rest(); });
+}
+
+void PartitionedBackend::step_at_rest() {
+    for (Share& part : parts_) part.backend->step_at_rest();
     merged_ = false;
-    return true;
 }
 
 View<const Contact> PartitionedBackend::contacts() const {
@@ -224,10 +231,11 @@ void PartitionedBackend::find_contacts(const Scene& whole, StepStats& stats) {
     add_parts(of_parts, stats);
 }
 
-void PartitionedBackend::step_part(const Scene& whole, Share& part, bool can_rest) {
+void PartitionedBackend::step_part(const Scene& whole, Share& part, bool is_still) {
     const auto begin = std::chrono::steady_clock::now();
     const bool was_still = std::exchange(part.was_still, part.scene.is_still());
-    if (can_rest && was_still && part.was_still && part.backend->step_at_rest()) {
+    if (is_still && was_still && part.was_still && part.backend->can_rest()) {
+        part.backend->step_at_rest();
         part.stats.stages.clear();
     } else {
         part.stats = {};

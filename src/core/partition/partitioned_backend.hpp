@@ -43,7 +43,8 @@ public:
     DeviceContacts device_contacts(std::uint32_t part, std::uint32_t worlds) override;
 
     void step(const Scene& whole, StepStats& stats) override;
-    bool step_at_rest() override;
+    bool can_rest() const override;
+    void step_at_rest() override;
     View<const Contact> contacts() const override;
     View<const Pair> pairs() const override;
     Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
@@ -76,7 +77,7 @@ private:
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const;
 
     void find_contacts(const Scene& whole, StepStats& stats);
-    void step_part(const Scene& whole, Share& part, bool can_rest);
+    void step_part(const Scene& whole, Share& part, bool is_still);
     bool look_around(const Scene& whole, bool anew);
     void measure(const Scene& whole, Share& part);
     void hand_out(const Scene& whole, std::optional<StepMemory> given, bool moved);
@@ -95,6 +96,7 @@ private:
     std::uint64_t revision_ = 0;
     stages::PairKeys keys_;
     std::optional<StepMemory> given_;  ///< for the next step
+    void* stream_ = nullptr;  ///< the caller's
     mutable bool merged_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;

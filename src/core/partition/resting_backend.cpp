@@ -44,9 +44,10 @@ public:
         now().step(scene, stats);
         stats.part_milliseconds.clear();  // of parts that the caller knows nothing of
     }
-    bool step_at_rest() override {
+    bool can_rest() const override { return now().can_rest(); }
+    void step_at_rest() override {
         quiet_.note({});
-        return now().step_at_rest();
+        now().step_at_rest();
     }
     View<const Contact> contacts() const override { return now().contacts(); }
     std::shared_ptr<const Contact> keep_contacts() override { return now().keep_contacts(); }

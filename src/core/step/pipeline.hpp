@@ -108,11 +108,11 @@ public:
     /// Steps without sheets in which nothing has changed, after one in which nothing had either:
     /// they would find the same contacts, each one step older.
     void step_at_rest(std::uint32_t steps) {
-        if (now_.kept.use_count() > 1) {
-            Buffer<Contact> same = now_.contacts;
-            now_.leave_contacts();
-            now_.contacts = std::move(same);
-        }
+        const bool are_kept = now_.kept.use_count() > 1;
+        Buffer<Contact> same;
+        if (are_kept) same = now_.contacts;
+        now_.leave_contacts();
+        if (are_kept) now_.contacts = std::move(same);
         executor_.for_each(count_of(now_.contacts),
                            stages::GrowOlder{view_of(now_.contacts), view_of(now_.ages), steps});
     }

@@ -38,11 +38,8 @@ public:
             throw;
         }
     }
-    bool step_at_rest() override {
-        if (runs_on_device()) return false;
-        ++steps_at_rest_;
-        return true;
-    }
+    bool can_rest() const override { return !runs_on_device(); }
+    void step_at_rest() override { ++steps_at_rest_; }
     View<const Contact> contacts() const override {
         grow_older();
         if (!contacts_.empty()) return view_of(contacts_);

@@ -205,7 +205,8 @@ const StepStats& World::detect() {
         return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
             .count();
     };
-    if (s.is_at_rest() && s.backend->step_at_rest()) {
+    if (s.is_at_rest() && s.backend->can_rest()) {
+        s.backend->step_at_rest();
         s.stats.stages.clear();
         s.stats.part_milliseconds.clear();
         s.stats.device_milliseconds = 0;
@@ -213,11 +214,12 @@ const StepStats& World::detect() {
         s.stats.milliseconds = took();
         return s.stats;
     }
-    s.stats = {};
+    const StepStats last = std::exchange(s.stats, {});
     const bool still = s.planned && s.changed.empty();
     try {
         s.refresh_views();
     } catch (const InputError&) {
+        s.stats = last;  // the last step's contacts stay, too
         throw;
     } catch (...) {  // memory has run out, and views are made in part
         s.change();

@@ -49,15 +49,23 @@ TEST(LittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
         const MeshData cloth = sheet();
         add_sheet(world, cloth);
         const MeshId mesh = world.add_mesh("torus", scenes::torus(1, 0.4, 12, 8));
+        const MeshId other = world.add_mesh("ring", scenes::torus(1, 0.3, 30, 12));
         std::vector<BodyId> bodies(6);
         for (BodyId& body : bodies) body = world.add_rigid_body(mesh);
         std::vector<Pose> poses(bodies.size());
         for (Pose& p : poses) p = {random.in_box(1.5), random.rotation()};
+        // When a step fails, a body has got another mesh, whose tree is missing.
+        const BodyId soft = world.add_deforming_body(mesh);
         int failed = 0;
-        for (int step = 0; step < 60; ++step) {
+        for (int step = 0; step < 90; ++step) {
             for (Pose& p : poses) p.position += random.in_box(0.02);
             world.set_poses(bodies, poses);
-            lists_left = step % 3 == 2 ? static_cast<std::uint32_t>(random.integer(0, 25)) : ~0u;
+            const bool has_little = step % 3 == 2;
+            if (has_little) {
+                const MeshId next = step % 2 == 0 ? mesh : other;
+                world.set_mesh(soft, next, world.mesh(next).positions());
+            }
+            lists_left = has_little ? static_cast<std::uint32_t>(random.integer(0, 35)) : ~0u;
             try {
                 world.detect();
             } catch (const std::bad_alloc&) {
@@ -73,6 +81,8 @@ TEST(LittleMemoryTest, AStepThatRunsOutOfMemoryIsForgotten) {
                 add_sheet(fresh, cloth);
                 const MeshId same = fresh.add_mesh("torus", scenes::torus(1, 0.4, 12, 8));
                 for (const Pose& p : poses) fresh.add_rigid_body(same, p);
+                fresh.add_deforming_body(
+                    fresh.add_mesh("copy", world.mesh(world.mesh_of(soft)).data()));
                 fresh.detect();
                 ASSERT_EQ(world.contacts().size(), fresh.contacts().size()) << step;
                 ASSERT_EQ(contact_hash(world.contacts()), contact_hash(fresh.contacts())) << step;

@@ -66,9 +66,11 @@ public:
     /// Temporal::off then.
     virtual bool certificates_pay() const { return true; }
     virtual void step(const Scene& scene, StepStats& stats) = 0;
+    /// True if step_at_rest() may stand for a step.
+    virtual bool can_rest() const { return false; }
     /// What a step does if nothing has changed since the last step, nor in that one: all contacts
-    /// become one step older. False if the backend has to run the step.
-    virtual bool step_at_rest() { return false; }
+    /// become one step older.
+    virtual void step_at_rest() {}
     /// Results of the last step; valid until the next one.
     virtual View<const Contact> contacts() const = 0;
     /// The same contacts, which stay as they are as long as the pointer is there.

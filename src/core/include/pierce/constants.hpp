@@ -127,7 +127,7 @@ inline constexpr std::uint32_t part_cells = 64, cut_rounds = 3, many_bodies = 40
 
 /// For how many steps a pair that has contacts without its edges keeps them; and bodies with no
 /// more edges are coarse: few of their vertices are inside each other where two of them meet.
-inline constexpr std::uint32_t edge_unasked_steps = 16, coarse_edges = 64;
+inline constexpr std::uint32_t edge_unasked_steps = 16, coarse_edges = 512;
 
 /// A proof that an edge crosses one triangle at most looks as far as the bodies move in
 /// `edge_look_steps`, but not less far than `edge_look_least` [mean edge length]: looking further

@@ -28,6 +28,7 @@ struct DeviceContactList {
 /// The contacts of the last step in device memory.
 struct DeviceContacts {
     DeviceContactList solids, sheets;
+    int device = 0;  ///< whose memory it is, by CUDA's numbers
 };
 
 }  // namespace pierce

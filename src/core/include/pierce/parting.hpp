@@ -18,6 +18,13 @@ struct Parting {
     PIERCE_HD Vec3d translation() const { return depth * direction; }
 };
 
+class Mesh;
+
+/// True if the mesh is closed, in one piece, and convex up to the rounding of its positions: a
+/// rigid body with it can always leave another such body by its World::parting(). Takes n log n for
+/// n triangles.
+bool is_convex(const Mesh& mesh);
+
 /// The shortest translation of body b that takes the target point and the source point of each of
 /// these contacts as far apart as it says: normal . translation >= -distance for all of them. All
 /// contacts are of one pair; those of sheets with an unknown side say nothing. Nothing if no

@@ -71,7 +71,8 @@ struct StepStats {
     std::uint32_t contacts = 0;
     std::uint32_t touching_pairs = 0;  ///< pairs with a contact
     std::uint32_t refits = 0, rebuilds = 0;
-    std::uint64_t triangle_tests = 0;
+    std::uint64_t triangle_tests = 0;  ///< of rays, as far as a backend counts them: own trees
+                                       ///< count those with deforming bodies
     double penetration_mean = 0, penetration_max = 0;  ///< [length] over the contacts
 };
 

@@ -109,17 +109,19 @@ private:
         is_bound_ = false;
         executor_.beside([&] { find_flat_corners(scene); });
 
-        executor_.emit(ListId::block_pairs, constants::group_size * count_of(search_.sections),
-                       stages::FindParts{.pairs = view_of(search_.pairs),
-                                         .close = view_of(search_.sections),
-                                         .parts = {view_of(bounds_.section_begins),
-                                                   view_of(bounds_.section_ends)},
-                                         .boxes = view_of(bounds_.block_boxes),
-                                         .packed = view_of(bounds_.in_sections),
-                                         .slabs = view_of(bounds_.block_slabs),
-                                         .wholes = {}},
-                       search_.blocks);
-        executor_.emit(ListId::group_pairs, constants::group_size * count_of(search_.blocks),
+        executor_.emit(
+            ListId::block_pairs, executor_.times(constants::group_size, count_of(search_.sections)),
+            stages::FindParts{
+                .pairs = view_of(search_.pairs),
+                .close = view_of(search_.sections),
+                .parts = {view_of(bounds_.section_begins), view_of(bounds_.section_ends)},
+                .boxes = view_of(bounds_.block_boxes),
+                .packed = view_of(bounds_.in_sections),
+                .slabs = view_of(bounds_.block_slabs),
+                .wholes = {}},
+            search_.blocks);
+        executor_.emit(ListId::group_pairs,
+                       executor_.times(constants::group_size, count_of(search_.blocks)),
                        stages::FindParts{.pairs = view_of(search_.pairs),
                                          .close = view_of(search_.blocks),
                                          .parts = {},
@@ -129,7 +131,7 @@ private:
                                          .wholes = view_of(bounds_.block_boxes)},
                        search_.groups);
         executor_.emit(ListId::near_triangles,
-                       stages::FindTriangles::per_group * count_of(search_.groups),
+                       executor_.times(stages::FindTriangles::per_group, count_of(search_.groups)),
                        stages::FindTriangles{
                            .pairs = view_of(search_.pairs),
                            .close = view_of(search_.groups),

@@ -73,43 +73,12 @@ public:
 
     /// Decides which trees there must be. `bodies` are the bodies as the host sees them.
     void arrange(E& executor, View<const BodyView> bodies) {
-        if (stale_ && !plan_.is_dense()) plan_.forget();
-        bvh::ForestPlan::Change change = plan_.arrange(bodies);
-        if (stale_ && change == bvh::ForestPlan::Change::some) {
-            // All trees are about to be built, one after the other.
-            plan_.forget();
-            change = plan_.arrange(bodies);
-        }
-        if (change == bvh::ForestPlan::Change::none) return;
-        if (plan_.bodies_change_trees()) executor.upload(plan_.tree_of_body(), tree_of_body_);
-        if (change == bvh::ForestPlan::Change::some) {
-            executor.upload(plan_.changed(), changed_);
-            return;
-        }
-        executor.upload(plan_.trees(), trees_);
-        executor.upload(plan_.tree_of_leaf(), tree_of_leaf_);
-        nodes_.resize(plan_.leaf_room());
-        leaf_places_.resize(plan_.leaf_room());
-        visits_.resize(plan_.leaf_room());
-        changed_.clear();
-        stale_ = true;
+        whole_or_anew([&] { arrange_trees(executor, bodies); });
     }
 
     /// Makes the trees of bodies with wanted[body] != 0 fit their positions.
     void update(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
-        if constexpr (E::traits.host_reads) {
-            arrange(executor, bodies);
-        }
-        if (stale_) return build(executor, bodies);
-        build_changed(executor, bodies);
-        executor.for_each(
-            tree_count(),
-            bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
-        executor.for_each(plan_.leaf_room(), bvh::Refit{bodies, wanted, forest()});
-        executor.for_each(
-            tree_count(),
-            bvh::MarkFitted{
-                .bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
+        whole_or_anew([&] { update_trees(executor, bodies, wanted); });
     }
 
     /// Builds all trees anew.
@@ -217,6 +186,59 @@ public:
 private:
     template <class T>
     using Buffer = typename E::template Buffer<T>;
+
+    /// Work that throws, as when memory runs out, may leave trees half made: the next call makes
+    /// all of them.
+    template <class Work>
+    void whole_or_anew(const Work& work) {
+        try {
+            work();
+        } catch (...) {
+            plan_.forget();
+            changed_.clear();
+            stale_ = true;
+            throw;
+        }
+    }
+
+    void arrange_trees(E& executor, View<const BodyView> bodies) {
+        if (stale_ && !plan_.is_dense()) plan_.forget();
+        bvh::ForestPlan::Change change = plan_.arrange(bodies);
+        if (stale_ && change == bvh::ForestPlan::Change::some) {
+            // All trees are about to be built, one after the other.
+            plan_.forget();
+            change = plan_.arrange(bodies);
+        }
+        if (change == bvh::ForestPlan::Change::none) return;
+        if (plan_.bodies_change_trees()) executor.upload(plan_.tree_of_body(), tree_of_body_);
+        if (change == bvh::ForestPlan::Change::some) {
+            executor.upload(plan_.changed(), changed_);
+            return;
+        }
+        executor.upload(plan_.trees(), trees_);
+        executor.upload(plan_.tree_of_leaf(), tree_of_leaf_);
+        nodes_.resize(plan_.leaf_room());
+        leaf_places_.resize(plan_.leaf_room());
+        visits_.resize(plan_.leaf_room());
+        changed_.clear();
+        stale_ = true;
+    }
+
+    void update_trees(E& executor, View<const BodyView> bodies, View<const std::uint32_t> wanted) {
+        if constexpr (E::traits.host_reads) {
+            arrange_trees(executor, bodies);
+        }
+        if (stale_) return build(executor, bodies);
+        build_changed(executor, bodies);
+        executor.for_each(
+            tree_count(),
+            bvh::JudgeTree{view_of(work_), view_of(std::as_const(trees_)), view_of(total_)});
+        executor.for_each(plan_.leaf_room(), bvh::Refit{bodies, wanted, forest()});
+        executor.for_each(
+            tree_count(),
+            bvh::MarkFitted{
+                .bodies = bodies, .wanted = wanted, .forest = forest(), .total = view_of(total_)});
+    }
 
     std::uint32_t tree_count() const { return static_cast<std::uint32_t>(plan_.trees().size()); }
 

@@ -2,6 +2,7 @@
 
 #include "pierce/contact.hpp"
 #include "pierce/min_max.hpp"
+#include "pierce/parting.hpp"
 
 namespace pierce::bullet {
 
@@ -20,10 +21,11 @@ struct FramedContact {
 /// out, not along the vertex normal of the body that stands on it. The depth becomes the vertex's
 /// depth below the face's plane, and the target point becomes the vertex's projection onto that
 /// plane. A contact along a direction of separation keeps that direction, as the face that its ray
-/// leaves through says nothing about the way out; and so does one that is only near, as an edge or
-/// a corner may be nearest.
+/// leaves through says nothing about the way out. So does one that is only near, as an edge or a
+/// corner may be nearest, and one of an edge over a ridge, whose way out is across both.
 inline FramedContact face_frame(const Contact& contact) {
-    if (contact.found == Found::separation || contact.found == Found::near)
+    if (contact.found == Found::separation || contact.found == Found::near ||
+        (contact.reprojected && contact.is_edge()))
         return {.point_a = contact.point_a,
                 .point_b = contact.point_b,
                 .normal_on_b = -contact.normal,
@@ -46,6 +48,18 @@ inline FramedContact face_frame(const Contact& contact) {
             .point_b = vertex,
             .normal_on_b = -contact.face_normal,
             .distance = -depth,
+            .feature = contact.feature(),
+            .age = contact.age};
+}
+
+/// Lets the whole way apart of a pair act at a contact, whose own way out is against others.
+inline FramedContact parting_frame(const Contact& contact, const Parting& parting) {
+    const Vec3d middle = 0.5 * (contact.point_a + contact.point_b),
+                half = 0.5 * parting.translation();
+    return {.point_a = middle + half,
+            .point_b = middle - half,
+            .normal_on_b = -parting.direction,
+            .distance = -parting.depth,
             .feature = contact.feature(),
             .age = contact.age};
 }
