@@ -9,8 +9,8 @@ _SAME = 1e-6
 """[1] A stretch that differs less from none is rounding: matrices often come from float32."""
 
 
-_RIGID = 1e-5
-"""[1] A rotation whose products differ less from those of the axes is one to rounding."""
+_RIGID = 2e-5
+"""[1] A matrix whose products differ less from those of axes stretches by 1e-5 at most."""
 
 
 def is_rigid(matrix: Floats) -> bool:

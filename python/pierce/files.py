@@ -90,7 +90,8 @@ def read_parts(path: str | Path, groups: bool = False, weld: bool = False) -> li
     except (ImportError, InputError):
         raise
     except Exception as error:  # each library has its own
-        raise InputError(f"cannot read '{path}': {error}") from error
+        why = str(error) or type(error).__name__
+        raise InputError(f"cannot read '{path}': {why}") from error
     if not any(len(part.triangles) for part in parts):
         raise InputError(f"'{path}' holds no triangles")
     for part in parts:
@@ -210,9 +211,11 @@ def _refuse_what_is_misread(path: Path) -> None:
 
 def _read_scene(path: Path) -> list[Part]:
     trimesh = need("trimesh", "trimesh", f"reading {path.suffix}")
+    options = {}
     if path.suffix.lower() in (".gltf", ".glb"):
         _refuse_what_is_misread(path)
-    scene = trimesh.load_scene(str(path), process=False)
+        options["merge_primitives"] = True  # what has several materials is one mesh
+    scene = trimesh.load_scene(str(path), process=False, **options)
     parts, left_out = [], []
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]

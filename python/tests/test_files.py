@@ -172,6 +172,44 @@ def is_at(part, world):
     return np.abs(now - world).max() < 1e-5
 
 
+@pytest.mark.parametrize("twice", [False, True])
+def test_materials_of_gltf(twice, tmp_path):
+    """A mesh with a primitive for each of two materials is one part, of one name."""
+    points, triangles = box()
+    halves = np.split(np.asarray(triangles, "<u4"), 2)
+    blobs = [np.asarray(points, "<f4").tobytes(), *(half.tobytes() for half in halves)]
+    starts = np.cumsum([0, *(len(blob) for blob in blobs)]).tolist()
+    data = base64.b64encode(b"".join(blobs)).decode()
+    corners = [{"componentType": 5125, "count": half.size, "type": "SCALAR"} for half in halves]
+    lower, upper = np.min(points, 0).tolist(), np.max(points, 0).tolist()
+    place = {"componentType": 5126, "count": 8, "type": "VEC3", "min": lower, "max": upper}
+    primitives = [
+        {"attributes": {"POSITION": 0}, "indices": k + 1, "material": k} for k in range(2)
+    ]
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1] if twice else [0]}],
+        "nodes": [{"mesh": 0, "name": "cube"}, {"mesh": 0, "translation": [5, 0, 0]}],
+        "meshes": [{"primitives": primitives}],
+        "materials": [{}, {}],
+        "buffers": [{"byteLength": starts[-1], "uri": f"data:;base64,{data}"}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": start, "byteLength": len(blob)}
+            for start, blob in zip(starts, blobs)
+        ],
+        "accessors": [{"bufferView": k, **each} for k, each in enumerate([place, *corners])],
+    }
+    (tmp_path / "cube.gltf").write_text(json.dumps(document))
+    parts = files.read_parts(tmp_path / "cube.gltf", weld=True)
+    assert len(parts) == 1 + twice
+    for part in parts:
+        assert pierce.Mesh.make(part.mesh).traits.closed
+        assert len(part.triangles) == 12
+    assert [part.pose[0] for part in parts if part.name == "cube"] == [0]
+    assert sorted(part.pose[0] for part in parts) == [0, 5][: 1 + twice]
+
+
 def test_groups_of_an_obj_file(tmp_path):
     lines = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0", "v 0 0 1", "f 1 2 3 4"]
     lines += ["o arm", "f 1 2 5 # a face", "g left", "f 2/7 3/8 5/9", "o leg", "f -1 -2 -3"]

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <iterator>
+#include <utility>
 
 #include "bullet/foremost.hpp"
 #include "bullet/soft_response.hpp"
@@ -82,8 +83,10 @@ bool Coupling::any_has_moved() const {
 }
 
 void Coupling::detect() {
+    ++detections_;
     for (Binding& binding : bindings_) {
         if (!has_moved(binding)) continue;
+        binding.moved_in = detections_;
         if (binding.soft == nullptr) {
             binding.place = binding.object->getWorldTransform();
             world_.set_pose(binding.body, from_bullet(*binding.place));
@@ -152,6 +155,7 @@ void Coupling::index_contacts() {
 }
 
 void Coupling::begin_step() {
+    lately_ = std::exchange(begun_at_, detections_);
     impacts_.clear();
     // Whoever owns the world may have called detect(); new contacts may lie where the last ones
     // did.

@@ -23,6 +23,7 @@ struct Binding {
     std::vector<Vec3f> positions;         ///< of a soft one
     std::vector<btSoftBody::Face> faces;  ///< by triangle; contacts keep their addresses
     bool takes_contacts = true;  ///< of a soft one: nothing in its arrays is of an earlier step
+    std::uint64_t moved_in = 0;  ///< the last detection that found it elsewhere
     MeshId judged;               ///< the mesh of which `is_convex` is true or not
     bool is_convex = false;
 };
@@ -46,6 +47,10 @@ public:
     /// True if the object is not where contacts were last looked for.
     static bool has_moved(const Binding& binding);
     bool any_has_moved() const;
+    /// True if it has moved since the begin of the step before this one.
+    bool has_moved_lately(const Binding& binding) const {
+        return has_moved(binding) || binding.moved_in > lately_;
+    }
     /// Looks for contacts of all bodies, where Bullet has them.
     void detect();
     /// The bodies that are fast (InstallOptions::continuous), and where Bullet takes them next.
@@ -90,6 +95,7 @@ private:
     std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places there
     bool is_indexed_ = false;                           ///< since the step began
     std::vector<ImpactContact> impacts_;                ///< sorted by (a, b)
+    std::uint64_t detections_ = 0, begun_at_ = 0, lately_ = 0;  ///< see Binding::moved_in
     std::uint32_t written_ = 0, written_self_ = 0;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "bullet/shape_mesh.hpp"
@@ -14,9 +15,20 @@
 namespace pierce::bullet {
 namespace {
 
-/// Stands in objects that are bound, where Bullet has room for extensions: an object that comes to
-/// the same address has nothing there.
-const char mark_of_bound = 0;
+/// Stands in objects that are bound, or not followed, where Bullet has room for extensions: an
+/// object that comes to the same address has nothing there.
+const char mark_of_known = 0;
+
+/// True for the filter that Bullet gives to what is static.
+bool meets_no_other_like_it(const btBroadphaseProxy& proxy) {
+    return proxy.m_collisionFilterGroup == btBroadphaseProxy::StaticFilter &&
+           (proxy.m_collisionFilterMask & btBroadphaseProxy::StaticFilter) == 0;
+}
+
+void put_mark(btCollisionObject& object) {
+    if (object.internalGetExtensionPointer() == nullptr)
+        object.internalSetExtensionPointer(const_cast<char*>(&mark_of_known));
+}
 
 std::array<std::uint32_t, 9> size_of(const btCollisionShape& shape) {
     btVector3 lower, upper;
@@ -37,11 +49,12 @@ std::array<std::uint32_t, 9> size_of(const btCollisionShape& shape) {
 FollowedObjects::Kind FollowedObjects::kind_of(const btCollisionObject& object) {
     const btSoftBody* soft = btSoftBody::upcast(&object);
     const btBroadphaseProxy* proxy = object.getBroadphaseHandle();
-    Kind kind{.object = &object,
-              .mark = object.internalGetExtensionPointer(),
-              .shape = object.getCollisionShape(),
-              .proxy = proxy != nullptr ? proxy->getUid() : -1,
-              .fixed = object.isStaticObject()};
+    Kind kind{
+        .object = &object,
+        .mark = object.internalGetExtensionPointer(),
+        .shape = object.getCollisionShape(),
+        .proxy = proxy != nullptr ? proxy->getUid() : -1,
+        .fixed = object.isStaticObject() && proxy != nullptr && meets_no_other_like_it(*proxy)};
     if (soft == nullptr) {
         if (kind.shape != nullptr && is_triangle_mesh(*kind.shape))
             kind.size = size_of(*kind.shape);
@@ -64,9 +77,11 @@ bool FollowedObjects::follow() {
     seen_.clear();
     std::unordered_map<const btCollisionObject*, Made> kept;
     std::vector<btCollisionObject*> others;
+    std::unordered_set<const btCollisionObject*> there;
     for (int i = 0; i < objects.size(); ++i) {
         const Kind kind = kind_of(*objects[i]);
         seen_.push_back(kind);
+        there.insert(objects[i]);
         const auto last = made_.find(objects[i]);
         if (last != made_.end() && last->second.kind == kind)
             kept.insert(made_.extract(last));
@@ -78,6 +93,7 @@ bool FollowedObjects::follow() {
     if (!made_.empty()) coupling_.forget_soft_contacts();
     std::erase_if(left_, [&](const LeftToBullet& left) { return !kept.contains(left.object); });
     made_ = std::move(kept);
+    std::erase_if(alone_, [&](const auto& entry) { return !there.contains(entry.first); });
     for (btCollisionObject* object : others) {
         if (coupling_.find(object) != nullptr) continue;  // bound by hand
         const auto alone = alone_.find(object);
@@ -90,6 +106,7 @@ bool FollowedObjects::follow() {
 }
 
 void FollowedObjects::leave(const btCollisionObject& object) {
+    put_mark(const_cast<btCollisionObject&>(object));
     alone_.insert_or_assign(&object, kind_of(object));
     std::erase_if(left_, [&](const LeftToBullet& left) { return left.object == &object; });
     if (const auto last = made_.find(&object); last != made_.end()) {
@@ -106,7 +123,7 @@ void FollowedObjects::remove_all() {
     // What is not in the world may be deleted.
     const btCollisionObjectArray& objects = bullet_.getCollisionObjectArray();
     for (int i = 0; i < objects.size(); ++i)
-        if (objects[i]->internalGetExtensionPointer() == &mark_of_bound)
+        if (objects[i]->internalGetExtensionPointer() == &mark_of_known)
             objects[i]->internalSetExtensionPointer(nullptr);
     for (const auto& [object, made] : made_) remove(made);
     made_.clear();
@@ -179,10 +196,8 @@ FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {
     } else {
         made.body = made.kind.fixed ? world.add_fixed_body(mesh) : world.add_rigid_body(mesh);
     }
-    if (made.kind.mark == nullptr) {
-        object.internalSetExtensionPointer(const_cast<char*>(&mark_of_bound));
-        made.kind.mark = &mark_of_bound;
-    }
+    put_mark(object);
+    made.kind.mark = object.internalGetExtensionPointer();
     coupling_.bind(object, soft, made.body);
     return made;
 }

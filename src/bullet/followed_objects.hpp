@@ -26,6 +26,8 @@ public:
     bool follow();
     /// Ends what was made for the object, which is not followed any more.
     void leave(const btCollisionObject& object);
+    /// True if the object is followed, whether it is bound or left to Bullet.
+    bool knows(const btCollisionObject& object) const { return made_.contains(&object); }
     /// True if the body was made here, for some object.
     bool has_made(BodyId body) const;
     /// Removes all bindings, bodies and meshes that were made here.

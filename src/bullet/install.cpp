@@ -69,12 +69,13 @@ bool is_anchored(const btSoftBody* soft, const btCollisionObject* other) {
 
 /// True if Bullet's filters let the two meet. Bullet does not ask about two bodies that sleep, but
 /// the arrays of soft ones are emptied in every step, and a program may have put one elsewhere.
-bool may_meet(btCollisionDispatcher& dispatcher, const Binding& a, const Binding& b) {
+bool may_meet(btCollisionDispatcher& dispatcher, const Coupling& coupling, const Binding& a,
+              const Binding& b) {
     if (is_anchored(a.soft, b.object) || is_anchored(b.soft, a.object)) return false;
     if (dispatcher.needsCollision(a.object, b.object)) return true;
     const bool sleep = !a.object->isActive() && !b.object->isActive();
-    const bool asked = a.soft != nullptr || b.soft != nullptr || Coupling::has_moved(a) ||
-                       Coupling::has_moved(b);
+    const bool asked = a.soft != nullptr || b.soft != nullptr || coupling.has_moved_lately(a) ||
+                       coupling.has_moved_lately(b);
     return sleep && asked && a.object->checkCollideWith(b.object) &&
            b.object->checkCollideWith(a.object);
 }
@@ -198,7 +199,7 @@ void Installation::State::near_callback(btBroadphasePair& pair, btCollisionDispa
         };
         Binding *a = bound(*pair.m_pProxy0), *b = bound(*pair.m_pProxy1);
         if (a != nullptr && b != nullptr) {
-            if (!may_meet(dispatcher, *a, *b)) return;
+            if (!may_meet(dispatcher, state.coupling, *a, *b)) return;
             if (Coupling::has_moved(*a) || Coupling::has_moved(*b)) state.detect();
             // What has become of the two is known now.
             a = bound(*pair.m_pProxy0);
@@ -280,6 +281,8 @@ void Installation::bind(btSoftBody& soft, BodyId body) {
 }
 
 void Installation::unbind(const btCollisionObject& object) {
+    state_->follow();
+    if (state_->coupling.find(&object) == nullptr && !state_->followed.knows(object)) return;
     state_->forget_pairs_of(&object);
     state_->followed.leave(object);
     state_->coupling.unbind(&object);

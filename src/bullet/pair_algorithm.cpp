@@ -27,34 +27,47 @@ using PointMap = std::multimap<std::uint64_t, btManifoldPoint>;
 
 constexpr std::uint64_t no_feature = ~std::uint64_t{0};  ///< of points that no later one goes on in
 
+/// What tells a point from others, and which contact it was made from.
+struct WrittenPoint {
+    btVector3 on_a, on_b;  ///< in the bodies' frames
+    std::uint64_t feature;
+};
+
 }  // namespace
 
 struct PairAlgorithm::Manifolds {
     std::vector<btPersistentManifold*> manifolds;
-    std::vector<std::uint64_t> features;  ///< of their points, one manifold after the other
+    std::vector<WrittenPoint> points;  ///< theirs; a program may have removed some, or added others
     std::uint32_t written = 0;
 
     PointMap take_points();
     void put_points(btDispatcher& dispatcher, const ContactSide& a, const ContactSide& b,
-                    const Points& points);
+                    const Points& added);
 };
 
 /// Leaves the manifolds empty.
 PointMap PairAlgorithm::Manifolds::take_points() {
-    PointMap points;
-    for (std::size_t m = 0, f = 0; m < manifolds.size(); ++m) {
-        for (int i = 0; i < manifolds[m]->getNumContacts(); ++i)
-            points.emplace(features[f++], manifolds[m]->getContactPoint(i));
-        manifolds[m]->setNumContacts(0);
+    PointMap found;
+    for (btPersistentManifold* manifold : manifolds) {
+        for (int i = 0; i < manifold->getNumContacts(); ++i) {
+            const btManifoldPoint& point = manifold->getContactPoint(i);
+            const auto known = std::ranges::find_if(points, [&](const WrittenPoint& w) {
+                return w.on_a == point.m_localPointA && w.on_b == point.m_localPointB;
+            });
+            if (known == points.end()) continue;
+            found.emplace(known->feature, point);
+            points.erase(known);
+        }
+        manifold->setNumContacts(0);
     }
-    features.clear();
-    return points;
+    points.clear();
+    return found;
 }
 
 /// Fills as many empty manifolds as the points need.
 void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const ContactSide& a,
-                                          const ContactSide& b, const Points& points) {
-    const std::size_t needed = (points.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
+                                          const ContactSide& b, const Points& added) {
+    const std::size_t needed = (added.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
     while (manifolds.size() > needed) {
         if (gContactEndedCallback != nullptr) (*gContactEndedCallback)(manifolds.back());
         dispatcher.releaseManifold(manifolds.back());
@@ -63,9 +76,10 @@ void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const Contac
     const std::size_t before = manifolds.size();
     while (manifolds.size() < needed)
         manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(points[i].second);
-        features.push_back(points[i].first);
+    for (std::size_t i = 0; i < added.size(); ++i) {
+        const auto& [feature, point] = added[i];
+        manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(point);
+        points.push_back({point.m_localPointA, point.m_localPointB, feature});
     }
     for (std::size_t m = before; m < needed && gContactStartedCallback != nullptr; ++m)
         (*gContactStartedCallback)(manifolds[m]);

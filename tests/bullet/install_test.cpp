@@ -904,5 +904,115 @@ TEST(InstallTest, CubesStandOnEachOther) {
     }
 }
 
+TEST(InstallTest, SleepingBodiesThatAreMovedAreLookedAtWhateverElseMoves) {
+    for (const bool others_move : {false, true}) {
+        StockWorld scene;
+        bullet::install(scene.bullet, scene.contacts);
+        const auto shape = MeshShape::gimpact(ring);
+        if (others_move) {
+            scene.add(*shape->shape, 1, at(20, 0, 0));
+            scene.add(*shape->shape, 1, at(20.3f, 0, 0.3f));
+        }
+        btRigidBody& first = scene.add(*shape->shape, 1, at(0, 0, 0));
+        btRigidBody& second = scene.add(*shape->shape, 1, at(9, 0, 0));
+        scene.bullet.stepSimulation(dt, 0);
+        const auto points_of_both = [&] {
+            int count = 0;
+            for (int m = 0; m < scene.dispatcher.getNumManifolds(); ++m) {
+                const auto& manifold = *scene.dispatcher.getManifoldByIndexInternal(m);
+                if (manifold.getBody0() == &first || manifold.getBody1() == &first)
+                    count += manifold.getNumContacts();
+            }
+            return count;
+        };
+        for (btRigidBody* body : {&first, &second}) body->forceActivationState(ISLAND_SLEEPING);
+        second.setWorldTransform(at(0.3f, 0, 0.3f));
+        scene.bullet.updateSingleAabb(&second);
+        scene.bullet.performDiscreteCollisionDetection();
+        EXPECT_GT(points_of_both(), 0) << others_move;
+        second.setWorldTransform(at(0.3f, 0, 1.5f));
+        scene.bullet.performDiscreteCollisionDetection();
+        EXPECT_EQ(points_of_both(), 0) << others_move;
+    }
+}
+
+TEST(InstallTest, PointsThatAProgramRemovesOrAddsConfuseNoOthers) {
+    StockWorld scene(10);
+    bullet::install(scene.bullet, scene.contacts);
+    const auto floor = MeshShape::bvh(scenes::box({-50, -50, -1}, {50, 50, 0}));
+    const auto cube = MeshShape::gimpact(scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}));
+    scene.add(*floor->shape, 0, at(0, 0, 0));
+    btRigidBody& body = scene.add(*cube->shape, 1, at(0, 0, 0.499f));
+    body.setActivationState(DISABLE_DEACTIVATION);
+    // Each corner of the cube has a name, which its point carries on.
+    int names[8] = {};
+    const auto name_of = [&](const btVector3& corner) {
+        return &names[(corner.x() > 0) + 2 * (corner.y() > 0) + 4 * (corner.z() > 0)];
+    };
+    int seen = 0;
+    for (int step = 0; step < 30; ++step) {
+        scene.bullet.stepSimulation(dt, 0);
+        for (int m = 0; m < scene.dispatcher.getNumManifolds(); ++m) {
+            btPersistentManifold& manifold = *scene.dispatcher.getManifoldByIndexInternal(m);
+            const bool is_first = manifold.getBody0() == &body;
+            for (int k = 0; k < manifold.getNumContacts(); ++k) {
+                btManifoldPoint& point = manifold.getContactPoint(k);
+                const btVector3& corner = is_first ? point.m_localPointA : point.m_localPointB;
+                if (std::fabs(corner.x()) < 0.4f || std::fabs(corner.y()) < 0.4f)
+                    continue;  // an edge's
+                void* const name = name_of(corner);
+                if (point.m_userPersistentData != nullptr) {
+                    EXPECT_EQ(point.m_userPersistentData, name)
+                        << step << " " << corner.x() << " " << corner.y() << " " << corner.z();
+                    ++seen;
+                }
+                point.m_userPersistentData = name;
+            }
+            if (step % 3 == 0 && manifold.getNumContacts() > 1) {
+                manifold.getContactPoint(0).m_userPersistentData = nullptr;
+                manifold.removeContactPoint(0);
+            }
+            if (step % 3 == 1 && manifold.getNumContacts() < MANIFOLD_CACHE_SIZE) {
+                const btVector3 high(0, 0, 3);
+                manifold.addManifoldPoint(btManifoldPoint(high, high, {0, 0, 1}, 1));
+            }
+        }
+    }
+    EXPECT_GT(seen, 60);
+}
+
+/// Plain collision objects are static by their flags, but their filters let them meet.
+TEST(InstallTest, StaticObjectsThatMayMeetHaveContacts) {
+    StockWorld scene;
+    const auto shape = MeshShape::gimpact(ring);
+    btCollisionObject first, second;
+    for (btCollisionObject* object : {&first, &second}) {
+        object->setCollisionShape(shape->shape.get());
+        ASSERT_TRUE(object->isStaticObject());
+        scene.bullet.addCollisionObject(object, 1, -1);
+    }
+    second.setWorldTransform(at(0.3f, 0, 0.3f));
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_GT(scene.points(), 0) << "Bullet's own";
+    bullet::install(scene.bullet, scene.contacts);
+    scene.bullet.performDiscreteCollisionDetection();
+    EXPECT_GT(scene.points(), 0);
+    bullet::uninstall(scene.bullet);
+    for (btCollisionObject* object : {&first, &second}) scene.bullet.removeCollisionObject(object);
+}
+
+TEST(InstallTest, UnbindingLooksAtNoBodyThatWasDeleted) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& body = scene.add(*shape->shape, 1, at(0, 0, 0));
+    scene.add_soft(ring, {0.5f, 0, 0.2f});
+    scene.bullet.stepSimulation(dt, 0);
+    scene.remove_soft(0);
+    installed.unbind(body);
+    EXPECT_FALSE(installed.body_of(body));
+    scene.bullet.stepSimulation(dt, 0);
+}
+
 }  // namespace
 }  // namespace pierce

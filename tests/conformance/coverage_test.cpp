@@ -10,6 +10,7 @@
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/scene.hpp"
 #include "scenes/named/shapes.hpp"
@@ -318,7 +319,8 @@ bool vertices_show_a_way_out(const Two& two, bool reproject) {
         shown = shown || !reproject ||
                 dot(way, outward_at(two.data[side], two.pose[side], c.vertex)) < 0;
     }
-    const bool coarse = std::max(edge_count(two.data[0]), edge_count(two.data[1])) <= 64;
+    const bool coarse = std::max(edge_count(two.data[0]), edge_count(two.data[1])) <=
+                        constants::coarse_edges;
     return shown && !(reproject && coarse && inside < 3);
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/body/body_view.hpp"
+#include "core/mesh/vertex_normal.hpp"
 #include "pierce/min_max.hpp"
 #include "pierce/parting.hpp"
 
@@ -14,7 +15,8 @@ PIERCE_HD inline double highest(const BodyView& body, Vec3d u) {
     const Vec3d in_space = body.space.rotation.transposed() * u;
     double most = -INFINITY;
     for (std::uint32_t v = 0; v < body.mesh.positions.size; ++v)
-        most = max_of(dot(in_space, to_double(body.positions[v])), most);
+        if (has_triangles(body.mesh, v))
+            most = max_of(dot(in_space, to_double(body.positions[v])), most);
     return most + dot(u, body.space.origin);
 }
 

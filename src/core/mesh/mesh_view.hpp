@@ -131,7 +131,7 @@ struct MeshArrays {
                                           ///< corners[offsets[v]..offsets[v+1])
     Array<Corner> corners;
     Array<std::uint32_t> fans;            ///< per corner, the vertices around each vertex (fans_of)
-    Array<std::uint32_t> patch_vertices;  ///< all vertices, patch after patch,
+    Array<std::uint32_t> patch_vertices;  ///< all vertices of triangles, patch after patch,
                                           ///< constants::patch_size each
     Array<PatchBlock> blocks;             ///< of the rest shape
     Array<Offsets> patches;  ///< per patch, its vertices relative to its centre; of the rest shape
@@ -218,11 +218,12 @@ struct MeshNeeds {
 /// What a mesh has once, besides its arrays.
 struct MeshShape {
     Box box;                           ///< of the rest shape
-    Vec3d centroid;                    ///< mean of the rest positions
+    Vec3d centroid;                    ///< mean of the triangles' vertices at rest
     double mean_edge_length = 0;       ///< [length]
     ClearanceGridLayout clearance_at;  ///< of clearance()
     ClearanceGridLayout slabs_at;      ///< of slabs_by_cell()
     bool closed = false;
+    bool has_degenerate = false;  ///< some triangles have no area at rest
     bool simple = false;  ///< one closed surface that does not meet itself and is not inside out;
                           ///< false where nobody needed to know
 };

@@ -14,7 +14,7 @@ namespace pierce {
 /// Number of patches of a mesh; a patch holds constants::patch_size vertices that are neighbours in
 /// space.
 PIERCE_HD inline std::uint32_t patch_count(const MeshView& mesh) {
-    return (mesh.positions.size + constants::patch_size - 1) / constants::patch_size;
+    return (mesh.patch_vertices.size + constants::patch_size - 1) / constants::patch_size;
 }
 
 /// Where the vertices of patch `p` begin in MeshView::patch_vertices.
@@ -24,7 +24,7 @@ PIERCE_HD inline std::size_t patch_begin(std::uint32_t p) {
 
 /// Vertex count of patch `p`; only the last one may hold less than constants::patch_size.
 PIERCE_HD inline std::uint32_t patch_length(const MeshView& mesh, std::uint32_t p) {
-    return min_of(constants::patch_size, mesh.positions.size - p * constants::patch_size);
+    return min_of(constants::patch_size, mesh.patch_vertices.size - p * constants::patch_size);
 }
 
 /// Number of blocks of a mesh; a block holds constants::block_size patches.

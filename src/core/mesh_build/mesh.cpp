@@ -15,6 +15,7 @@
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
+#include "core/mesh/used_vertices.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/kept_order.hpp"
@@ -106,12 +107,14 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     // Starting a thread takes longer than a small mesh does.
     Workers workers(data.triangles.size() < triangles_for_threads ? 1 : options.threads,
                     options.progress);
+    const std::vector<bool> used = used_vertices(data.triangles, data.positions.size());
     Vec3d sum;
-    for (Vec3f p : data.positions) {
-        view.box.extend(to_double(p));
-        sum += to_double(p);
-    }
-    view.centroid = sum * (1.0 / static_cast<double>(data.positions.size()));
+    for (std::size_t v = 0; v < used.size(); ++v)
+        if (used[v]) {
+            view.box.extend(to_double(data.positions[v]));
+            sum += to_double(data.positions[v]);
+        }
+    view.centroid = sum * (1.0 / static_cast<double>(std::ranges::count(used, true)));
     const HalfEdges sides = choose_triangles(data, workers);
     view.mean_edge_length = traits.mean_edge_length;
     view.closed = inside.exists();
@@ -139,6 +142,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
             arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides, partner);
             arrays.neighbors = neighbors_of(arrays.triangles.size(), sides);
         });
+    see_arrays();
     divide_into_patches(workers, before);
     see_arrays();
     workers.side_by_side(
@@ -150,6 +154,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
 HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     HalfEdges sides(data.triangles, data.positions.size());
     traits = traits_of(data, sides, view.centroid);
+    view.has_degenerate = traits.degenerate_triangles > 0;
     ClosedSurface surface = surface_with_inside(data, sides, traits, options.inside, workers);
     inside = surface.inside;
     arrays.covered = std::move(surface.covered);
@@ -159,6 +164,7 @@ HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     sides = HalfEdges(data.triangles, data.positions.size());
     const MeshTraits of_surface = traits_of(data, sides, view.centroid);
     traits.volume = of_surface.volume;
+    view.has_degenerate = of_surface.degenerate_triangles > 0;
     traits.mean_edge_length = of_surface.mean_edge_length;
     return sides;
 }
@@ -167,8 +173,8 @@ void Mesh::Parts::divide_into_patches(Workers& workers, const Parts* before) {
     std::vector<std::uint32_t> start_of_vertices, start_of_triangles;
     if (before != nullptr) {
         std::vector<std::uint32_t> vertices_now(before->view.positions.size, is_gone);
-        for (std::uint32_t v = 0; v < before->view.positions.size && v < view.positions.size; ++v)
-            vertices_now[v] = v;
+        for (const std::uint32_t v : before->arrays.patch_vertices)
+            if (v < view.positions.size) vertices_now[v] = v;
         start_of_vertices = kept_order(before->arrays.patch_vertices, vertices_now,
                                        view.positions.size);
         start_of_triangles = kept_order(before->arrays.group_triangles, change->triangles_now(),
@@ -183,6 +189,7 @@ void Mesh::Parts::divide_into_patches(Workers& workers, const Parts* before) {
                                   to_double(points[t.vertex[2]]))));
     arrays.patch_vertices = spatial_order(points, constants::patch_size, workers.threads(),
                                           start_of_vertices);
+    std::erase_if(arrays.patch_vertices, [&](std::uint32_t v) { return !has_triangles(view, v); });
     arrays.group_triangles = spatial_order(middles, constants::group_size, workers.threads(),
                                            start_of_triangles);
 }

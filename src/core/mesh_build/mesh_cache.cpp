@@ -176,6 +176,11 @@ void MeshCache::store(const MeshView& mesh, const MeshNeeds& made) const {
     ArchiveWriter header;
     transfer_all(header, its_mark, its_version, sum);
 
+    // A link may lead elsewhere, and what is no file may keep the program waiting.
+    std::error_code failed;
+    const std::filesystem::file_status there = std::filesystem::symlink_status(file_of(mesh),
+                                                                               failed);
+    if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) return;
     try {
         // Others may read or write the file at the same time, so it appears as a whole.
         write_whole_file(file_of(mesh),

@@ -54,7 +54,7 @@ constexpr Description descriptions[mesh_defect_count] = {
      "layer or out of the first only: contacts there are missed or too shallow; parts that overlap "
      "each other count as one solid"},
     {MeshDefect::unused_vertex, "unused vertices", MeshElement::vertex, false,
-     "they send no rays; they only widen the mesh's box"},
+     "they are no part of a body"},
     {MeshDefect::duplicate_vertex, "duplicate vertices", MeshElement::vertex, false,
      "a seam sends a ray per vertex; triangles that meet in it by position alone are not joined, "
      "and their edges count as "

@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/mesh/half_edges.hpp"
+#include "core/mesh/used_vertices.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/parting.hpp"
@@ -21,6 +22,7 @@ struct ConvexEdge {
 };
 
 struct ConvexSurface {
+    std::vector<Vec3d> points;   ///< of triangles
     std::vector<Vec3d> normals;  ///< unit, outward, of faces
     std::vector<ConvexEdge> edges;
 };
@@ -30,8 +32,14 @@ struct ConvexSurface {
 /// faces more than edges (Euler).
 std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     const auto& [points, triangles] = surface;
+    ConvexSurface convex;
+    const std::vector<bool> is_used = used_vertices(triangles, points.size());
     Box box;
-    for (const Vec3d p : points) box.extend(p);
+    for (std::size_t v = 0; v < points.size(); ++v)
+        if (is_used[v]) {
+            box.extend(points[v]);
+            convex.points.push_back(points[v]);
+        }
     // A deforming body's positions are float32 in world space.
     const double furthest = std::max(length(box.lower), length(box.upper)),
                  tolerance = constants::touch_tolerance * box.extent() +
@@ -43,7 +51,6 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
         if (length(n) == 0) return std::nullopt;
         normals.push_back(normalized(n));
     }
-    ConvexSurface convex;
     bool is_convex = true;
     std::size_t edges = 0;
     HalfEdges(triangles, points.size()).for_each_edge([&](std::span<const HalfEdge> sides) {
@@ -61,11 +68,7 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
             convex.edges.push_back(
                 {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
     });
-    std::vector<bool> is_used(points.size(), false);
-    for (const Triangle& t : triangles)
-        for (const std::uint32_t v : t.vertex) is_used[v] = true;
-    const auto used = static_cast<std::size_t>(std::ranges::count(is_used, true));
-    if (!is_convex || used + triangles.size() != edges + 2) return std::nullopt;
+    if (!is_convex || convex.points.size() + triangles.size() != edges + 2) return std::nullopt;
     const auto less = [](Vec3d a, Vec3d b) {
         return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };
@@ -129,9 +132,8 @@ std::optional<Vec3d> shortest_convex_parting(const PlacedSurface& first,
     if (!b) return std::nullopt;
 
     Shortest shortest;
-    for (const Vec3d n : a->normals) shortest.offer(n, reach_along(n, first.points, second.points));
-    for (const Vec3d n : b->normals)
-        shortest.offer(-n, reach_along(-n, first.points, second.points));
+    for (const Vec3d n : a->normals) shortest.offer(n, reach_along(n, a->points, b->points));
+    for (const Vec3d n : b->normals) shortest.offer(-n, reach_along(-n, a->points, b->points));
     Shortest of_edges;
     for (const ConvexEdge& edge : a->edges)
         for (const ConvexEdge& other : b->edges) {
@@ -143,8 +145,7 @@ std::optional<Vec3d> shortest_convex_parting(const PlacedSurface& first,
             of_edges.offer(outward, dot(outward, edge.point - other.point));
         }
     if (of_edges.way < shortest.way)
-        shortest.offer(of_edges.direction,
-                       reach_along(of_edges.direction, first.points, second.points));
+        shortest.offer(of_edges.direction, reach_along(of_edges.direction, a->points, b->points));
     if (!(shortest.way > 0)) return std::nullopt;
     return shortest.way * shortest.direction;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/closest_point.hpp"
+#include "core/geometry/triangle.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/trace/first_crossing.hpp"
 #include "pierce/min_max.hpp"
@@ -32,7 +33,8 @@ PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32
 
 /// The search for the triangle of a surface that is closest to a point and no further away than a
 /// limit; of equally close ones, the one with the smallest id. Triangles that other parts of the
-/// surface cover do not count.
+/// surface cover do not count, and those without area do not: what lies on one of them lies on its
+/// neighbours, too, and these have a normal.
 class ClosestSearch {
 public:
     PIERCE_HD ClosestSearch(Vec3d point, const Surface& surface, double limit)
@@ -42,6 +44,11 @@ public:
         if (surface_.covered.size > 0 && surface_.covered[triangle] == Cover::wholly) return;
         const double distance = distance_to(point_, surface_, triangle);
         if (!(distance < limit_ || (distance == limit_ && triangle < triangle_))) return;
+        const Triangle& t = surface_.triangles[triangle];
+        if (is_degenerate(to_double(surface_.positions[t.vertex[0]]),
+                          to_double(surface_.positions[t.vertex[1]]),
+                          to_double(surface_.positions[t.vertex[2]])))
+            return;
         limit_ = distance;
         triangle_ = triangle;
     }

@@ -33,6 +33,7 @@ void World::State::check_filter(const Filter& filter) {
 }
 
 void World::State::begin_world(std::int32_t world) {
+    if (!left_out.contains(world)) return;
     const bool is_there = std::ranges::any_of(bodies.slots(), [&](const auto& slot) {
         return slot.used && slot.thing.filter.world == world;
     });
@@ -42,7 +43,7 @@ void World::State::begin_world(std::int32_t world) {
 void World::set_filter(BodyId body, const Filter& filter) {
     State::check_filter(filter);
     BodyEntry& entry = state_->bodies.get(body, "body");
-    if (!state_->left_out.empty()) state_->begin_world(filter.world);
+    state_->begin_world(filter.world);
     entry.filter = filter;
     ++state_->filters_set;
     state_->change();
@@ -113,7 +114,11 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     if (first + count > constants::most_worlds)
         throw InputError("there would be more than " + std::to_string(constants::most_worlds) +
                          " worlds");
-    const std::uint64_t bodies = s.bodies.slots().size() + std::uint64_t{count} * originals.size();
+    // Places of bodies that were removed are taken first.
+    const auto used = static_cast<std::uint64_t>(
+        std::ranges::count_if(s.bodies.slots(), [](const auto& slot) { return slot.used; }));
+    const std::uint64_t bodies = std::max<std::uint64_t>(
+        s.bodies.slots().size(), used + std::uint64_t{count} * originals.size());
     if (bodies > std::uint64_t{1} << constants::body_bits)
         throw InputError("there would be " + std::to_string(bodies) +
                          " bodies; with worlds there are at most " +

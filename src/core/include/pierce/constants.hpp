@@ -73,8 +73,9 @@ inline constexpr std::uint32_t split_alone_bits = 6,
 inline constexpr double coplanar_tolerance = 0x1p-46;
 
 /// A triangle with less area than this has no usable normal and is never hit [longest edge
-/// squared]. Four float32 ulp: below it the sign of the normal is rounding.
+/// squared]: below four float32 ulp its sign is rounding. Behind so many there is a sound one.
 inline constexpr double degenerate_area = 4 * float_ulp;
+inline constexpr std::uint32_t degenerate_in_a_row = 8;
 
 /// A sum of normals shorter than this is rounding of faces that cancel [1; of a vertex, the angles
 /// around it]. angle_of() is wrong by less than half of that.
@@ -88,8 +89,7 @@ inline constexpr std::int64_t half_turn = std::int64_t{1} << 40;
 /// turns; the angles of open fans lie in between.
 inline constexpr std::int64_t crossing_weight = half_turn / 2;
 
-/// The direction of a ray that only tells whether its origin is inside, where none is better: it
-/// lies in no plane that meshes often have. Not of length 1.
+/// The direction of a ray that only tells whether its origin is inside: in no plane that is common.
 inline constexpr double any_direction[3] = {3, 5, 7};
 
 /// At a smaller sine between ray and face, depth changes a thousand times faster than the vertex.

@@ -141,14 +141,41 @@ PIERCE_HD inline Vec3d most_facing_normal(const BodyView& body, Vec3d way, std::
     for (std::uint32_t i = body.mesh.corner_offsets[v]; i < body.mesh.corner_offsets[v + 1]; ++i) {
         const Corner& corner = body.mesh.corners[i];
         if (other != no_vertex && corner.next != other && corner.previous != other) continue;
-        const Vec3d normal = normalized(cross(to_double(body.positions[corner.next]) - apex,
-                                              to_double(body.positions[corner.previous]) - apex));
+        const Vec3d next = to_double(body.positions[corner.next]),
+                    previous = to_double(body.positions[corner.previous]);
+        if (is_degenerate(apex, next, previous)) continue;
+        const Vec3d normal = normalized(cross(next - apex, previous - apex));
         const double height = std::fabs(dot(normal, way));
-        if (!(length_squared(normal) > 0) || !(height > most)) continue;
+        if (!(height > most)) continue;
         most = height;
         best = normal;
     }
     return best;
+}
+
+/// The triangle beside a triangle's side, or beyond those without area that lie there; no_triangle
+/// if there is none.
+PIERCE_HD inline std::uint32_t neighbor_with_area(const BodyView& body, std::uint32_t triangle,
+                                                  std::uint32_t side) {
+    const MeshView& mesh = body.mesh;
+    std::uint32_t last = triangle, next = mesh.neighbors[triangle].across[side];
+    for (std::uint32_t k = 0; k < constants::degenerate_in_a_row && next != no_triangle; ++k) {
+        const Triangle& t = mesh.triangles[next];
+        Vec3d corner[3];
+        for (int c = 0; c < 3; ++c) corner[c] = to_double(body.positions[t.vertex[c]]);
+        if (!is_degenerate(corner[0], corner[1], corner[2])) return next;
+        // Its longest side is as long as the two others together.
+        const auto squared = [&](std::uint32_t s) {
+            return length_squared(corner[(s + 1) % 3] - corner[(s + 2) % 3]);
+        };
+        std::uint32_t longest = squared(1) > squared(0) ? 1 : 0;
+        if (squared(2) > squared(longest)) longest = 2;
+        const std::uint32_t* across = mesh.neighbors[next].across;
+        const std::uint32_t out = across[longest] == last ? (longest + 1) % 3 : longest;
+        last = next;
+        next = across[out];
+    }
+    return no_triangle;
 }
 
 /// The outward normal of a surface where it is closest to the end of `way`, a point outside or
@@ -169,6 +196,19 @@ PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
             ++zeros;
         }
     const std::uint32_t v = t.vertex[corner];
+    if (zeros > 0 && mesh.has_degenerate) {
+        // The triangles around may have no area, but those beyond have: as most_facing_normal().
+        Vec3d best = zeros == 2 ? most_facing_normal(body, way, v)
+                                : triangle_normal(mesh, body.positions, triangle);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (weight[k] > constants::double_rounding) continue;
+            const std::uint32_t beside = neighbor_with_area(body, triangle, k);
+            if (beside == no_triangle) continue;
+            const Vec3d normal = triangle_normal(mesh, body.positions, beside);
+            if (std::fabs(dot(normal, way)) > std::fabs(dot(best, way))) best = normal;
+        }
+        return best;
+    }
     if (zeros == 2) {
         const bool is_one_fan = mesh.fans[mesh.corner_offsets[v]] != no_vertex;
         const Vec3d normal = is_one_fan ? vertex_normal(mesh, body.positions, v) : Vec3d{};
@@ -204,7 +244,6 @@ struct MeasureNear {
         const Vec3d a = to_double(target.positions[t.vertex[0]]),
                     b = to_double(target.positions[t.vertex[1]]),
                     c = to_double(target.positions[t.vertex[2]]);
-        if (is_degenerate(a, b, c)) return;
         const TrianglePlace place = closest_place_on_triangle(ray.origin, a, b, c);
         const Vec3d point = a + place.second * (b - a) + place.third * (c - a),
                     way = ray.origin - point, normal = normal_at(target, closest[i], place, way);

@@ -5,6 +5,7 @@
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/edges/touch_stages.hpp"
@@ -248,7 +249,7 @@ struct GenerateContainedRays {
         std::uint32_t count = 0;
         const bool again = i > 0 && from[i - 1].pair == part.pair && from[i - 1].side == part.side;
         for (std::uint32_t v = 0; v < source.mesh.positions.size && !again; ++v) {
-            if (is_part(source.mesh, v)) continue;
+            if (is_part(source.mesh, v) || !has_triangles(source.mesh, v)) continue;
             const double h = dot(u, to_double(source.positions[v]));
             if (count == constants::separation_vertices && !(h < height[count - 1])) continue;
             count = min_of(count + 1, constants::separation_vertices);

@@ -47,7 +47,9 @@ public:
             quick_max(largest_of(a), quick_max(largest_of(b), largest_of(c))), pad_);
         const Vec3f q = closest_to_origin(a, b, c);
         const float squared = quick_dot(q, q), distance = std::sqrt(squared);
-        shrink(quick_fma(distance, 1 + constants::point_rounding, lost));
+        const float most = quick_fma(distance, 1 + constants::point_rounding, lost);
+        // Triangles without area are never the closest one.
+        if (most < reach_ && !may_be_degenerate(v0, v1, v2)) shrink(most);
         // No point of the triangle is closer than its corners along any direction; along the way to
         // the closest point, that is how far this is away.
         const float least = quick_min(quick_dot(q, a), quick_min(quick_dot(q, b), quick_dot(q, c)));
@@ -55,6 +57,17 @@ public:
     }
 
 private:
+    /// True of every triangle for which is_degenerate() holds: in float32 the cross product is off
+    /// by less than twice degenerate_area, as differences of corners are off by half an ulp.
+    PIERCE_HD static bool may_be_degenerate(Vec3f a, Vec3f b, Vec3f c) {
+        const Vec3f ab = b - a, bc = c - b, ca = a - c;
+        const float longest = quick_max(quick_dot(ab, ab),
+                                        quick_max(quick_dot(bc, bc), quick_dot(ca, ca)));
+        const Vec3f n = quick_cross(ab, ca);
+        const float least = static_cast<float>(4 * constants::degenerate_area) * longest;
+        return !(quick_dot(n, n) > least * least);
+    }
+
     PIERCE_HD Vec3f relative(Vec3f v) const { return (v - high_) - low_; }
 
     /// Triangles further away than `distance` are not the closest one; NaN tells nothing.
