@@ -96,8 +96,8 @@ TEST_F(OverflowTest, ASolidOfManyLayers) {
     constexpr int layers = 120;
     MeshData stack;
     for (int k = 0; k < layers; ++k) {
-        MeshData lens = scenes::geodesic_sphere(1, 3);
-        for (Vec3f& p : lens.positions) p.z = 0.25f * p.z + static_cast<float>(k);
+        MeshData lens = scenes::geodesic_sphere(1, 4);
+        for (Vec3f& p : lens.positions) p.z = 0.25f * p.z + static_cast<float>(2 * k);
         stack = scenes::joined(std::move(stack), lens);
     }
     const std::size_t of_layer = stack.positions.size() / layers;
@@ -108,11 +108,11 @@ TEST_F(OverflowTest, ASolidOfManyLayers) {
         world->set_collision(ids.back(), {.self = SelfCollision::on});
     }
     std::size_t most = 0;
-    for (int step = 0; step < 8; ++step) {
+    for (int step = 0; step < 16; ++step) {
         std::vector<Vec3f> positions = stack.positions;
-        // The lowest lens rises into the one above it.
+        // The lowest lens rises into the one above it, and stays there until steps are captured.
         for (std::size_t v = 0; v < of_layer; ++v)
-            positions[v].z += 0.1f * static_cast<float>(step);
+            positions[v].z += 0.25f * static_cast<float>(std::min(step, 7));
         there.set_positions(ids[0], positions);
         here.set_positions(ids[1], positions);
         there.detect();

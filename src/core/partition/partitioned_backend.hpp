@@ -96,7 +96,7 @@ private:
     std::uint64_t revision_ = 0;
     stages::PairKeys keys_;
     std::optional<StepMemory> given_;  ///< for the next step
-    void* stream_ = nullptr;  ///< the caller's
+    void* stream_ = nullptr;           ///< the caller's
     mutable bool merged_ = true;
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;
