@@ -208,6 +208,12 @@ struct MeshNeeds {
     bool stars = false;      ///< star_clearance
     bool own_exits = false;  ///< own_exit
 
+    /// True if this is all that is needed.
+    bool has(const MeshNeeds& needs) const {
+        return clearance >= needs.clearance && rings >= needs.rings && slabs >= needs.slabs &&
+               stars >= needs.stars && own_exits >= needs.own_exits;
+    }
+
     friend bool operator==(const MeshNeeds&, const MeshNeeds&) = default;
 
     static constexpr MeshNeeds all() {

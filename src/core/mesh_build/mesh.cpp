@@ -226,7 +226,8 @@ void Mesh::Parts::measure_patches(const Parts* before) {
 }
 
 void Mesh::Parts::make(const MeshNeeds& needs) {
-    if (!view.closed) return;
+    // To ask for the machine's threads takes a system call.
+    if (!view.closed || made.has(needs)) return;
     if (cache && !is_cached && needs != MeshNeeds{}) {
         made = cache->load(view, arrays, view);
         is_cached = true;
