@@ -220,9 +220,9 @@ void Installation::State::forget_pairs_of(const btCollisionObject* object) {
     btOverlappingPairCache& pairs = *bullet.getPairCache();
     for (int i = 0; i < pairs.getNumOverlappingPairs(); ++i) {
         btBroadphasePair& pair = pairs.getOverlappingPairArray()[i];
-        if (dynamic_cast<PairAlgorithm*>(pair.m_algorithm) == nullptr) continue;
-        if (object == nullptr || pair.m_pProxy0->m_clientObject == object ||
-            pair.m_pProxy1->m_clientObject == object)
+        const bool is_of_object = object == nullptr || pair.m_pProxy0->m_clientObject == object ||
+                                  pair.m_pProxy1->m_clientObject == object;
+        if (is_of_object && dynamic_cast<PairAlgorithm*>(pair.m_algorithm) != nullptr)
             pairs.cleanOverlappingPair(pair, &dispatcher);
     }
 }
