@@ -14,6 +14,7 @@
 #include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
 #include "support/random.hpp"
+#include "support/t_junction.hpp"
 
 namespace pierce {
 namespace {
@@ -48,23 +49,14 @@ MeshData bracket() {
     return prism(outline, {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 5}}, {{3, 4, 5}}});
 }
 
-/// Splits the edges between vertex v and v + n on one side; a triangle without area closes the gap.
-/// Turned by any angle, the new vertex is beside the edge by rounding.
+/// With a T-junction on the edges between vertex v and v + n.
 MeshData with_t_junctions(MeshData mesh, std::uint32_t n) {
     const std::vector<Triangle> before = mesh.triangles;
     for (std::uint32_t v = 0; v < n; ++v)
         for (std::size_t t = 0; t < before.size(); ++t)
-            for (int k = 0; k < 3; ++k) {
-                const std::uint32_t a = before[t].vertex[k], b = before[t].vertex[(k + 1) % 3],
-                                    c = before[t].vertex[(k + 2) % 3];
-                if (a != v || b != v + n) continue;
-                const auto middle = static_cast<std::uint32_t>(mesh.positions.size());
-                mesh.positions.push_back(to_float(0.4 * to_double(mesh.positions[a]) +
-                                                  0.6 * to_double(mesh.positions[b])));
-                mesh.triangles[t] = {{a, middle, c}};
-                mesh.triangles.push_back({{middle, b, c}});
-                mesh.triangles.push_back({{a, b, middle}});
-            }
+            for (int k = 0; k < 3; ++k)
+                if (before[t].vertex[k] == v && before[t].vertex[(k + 1) % 3] == v + n)
+                    test::add_t_junction(mesh, t, k, 0.6);
     return mesh;
 }
 

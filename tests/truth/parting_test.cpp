@@ -16,6 +16,7 @@
 #include "scenes/named/hard_cases.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
+#include "support/t_junction.hpp"
 #include "truth/cubes.hpp"
 #include "truth/exact_mesh.hpp"
 #include "truth/minimum_translation.hpp"
@@ -114,6 +115,40 @@ TEST(PartingTest, ConvexBodiesMoveAsFarAsTheyMust) {
         ++overlapping;
     }
     EXPECT_GT(overlapping, 60);
+}
+
+/// The mesh in another place, to the rounding of its positions.
+MeshData moved(MeshData mesh, const Pose& pose) {
+    mesh.positions = test::placed(mesh, pose);
+    return mesh;
+}
+
+TEST(PartingTest, TJunctionsMakeNoDifferenceToConvexBodies) {
+    test::Random random(73);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int overlapping = 0;
+    for (int i = 0; i < 200; ++i) {
+        const auto shape = [&] {
+            const MeshData mesh = random.integer(0, 1) == 0
+                                      ? scenes::sphere(random.uniform(0.3, 1), 1)
+                                      : scenes::box({-1, -1, -1}, {1, 1, 1});
+            return moved(mesh, {random.in_box(0.8), random.rotation()});
+        };
+        Placed pair{shape(), shape(), {{}, random.rotation()}, {{}, random.rotation()}};
+        const std::optional<Parting> smooth = pair.parting();
+        for (MeshData* mesh : {&pair.a, &pair.b})
+            for (int k = random.integer(0, 12); k > 0; --k)
+                test::add_t_junction(*mesh,
+                                     static_cast<std::size_t>(random.integer(
+                                         0, static_cast<int>(mesh->triangles.size()) - 1)),
+                                     random.integer(0, 2), random.uniform(0.01, 0.99));
+        const std::optional<Parting> cut = pair.parting();
+        if (!smooth || smooth->depth < little) continue;
+        ASSERT_TRUE(cut) << i;
+        EXPECT_NEAR(cut->depth, smooth->depth, little) << i;
+        ++overlapping;
+    }
+    EXPECT_GT(overlapping, 100);
 }
 
 TEST(PartingTest, SeveralConvexPartsAreNoConvexBody) {

@@ -126,6 +126,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     if (change == nullptr) before = nullptr;
     is_changed = change != nullptr;
     if (is_changed) cache.reset();
+    made.slabs = is_changed;  // it goes without
     const std::vector<std::uint32_t> partner = before != nullptr
                                                    ? change->partners(view, before->view.leaves)
                                                    : std::vector<std::uint32_t>();
@@ -241,7 +242,7 @@ void Mesh::Parts::make(const MeshNeeds& needs) {
     };
     make_once(needs.clearance, made.clearance, [&] { make_clearance(); });
     make_once(needs.rings, made.rings, [&] { make_rings(workers); });
-    make_once(needs.slabs && !is_changed, made.slabs, [&] { make_slabs(workers); });
+    make_once(needs.slabs, made.slabs, [&] { make_slabs(workers); });
     make_once(needs.stars, made.stars,
               [&] { arrays.star_clearance = star_clearance(view, workers, change.get()); });
     make_once(needs.own_exits, made.own_exits,

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <tuple>
 
 #include "core/mesh/half_edges.hpp"
+#include "core/mesh/mesh_view.hpp"
 #include "core/mesh/used_vertices.hpp"
+#include "core/mesh_build/triangle_rings.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/parting.hpp"
@@ -27,6 +30,54 @@ struct ConvexSurface {
     std::vector<ConvexEdge> edges;
 };
 
+/// The corner of a triangle that lies opposite its longest side, and how far it is from that side.
+struct Apex {
+    std::uint8_t corner = 0;
+    double height = 0;
+
+    Apex(const std::vector<Vec3d>& points, const Triangle& t) {
+        const auto side = [&](int k) {
+            return points[t.vertex[(k + 2) % 3]] - points[t.vertex[(k + 1) % 3]];
+        };
+        for (std::uint8_t k = 1; k < 3; ++k)
+            if (length_squared(side(k)) > length_squared(side(corner))) corner = k;
+        const double longest = length(side(corner));
+        if (longest > 0) height = length(cross(side(0), side(1))) / longest;
+    }
+};
+
+/// Unit outward normals of triangles. One that is not higher than the tolerance lies on its longest
+/// side, and has the normal of the triangle across that; if that is as thin, of another one beside
+/// it. Zero where all around are thin.
+std::vector<Vec3d> face_normals(const PlacedSurface& surface, const HalfEdges& sides_of_all,
+                                double tolerance) {
+    const auto& [points, triangles] = surface;
+    std::vector<Vec3d> normals(triangles.size());
+    std::vector<Apex> apexes;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        apexes.emplace_back(points, triangles[t]);
+        if (!(apexes[t].height > tolerance)) continue;
+        const Vec3d p = points[triangles[t].vertex[0]];
+        normals[t] = normalized(
+            cross(points[triangles[t].vertex[1]] - p, points[triangles[t].vertex[2]] - p));
+    }
+    const std::vector<Neighbors> neighbors = neighbors_of(triangles.size(), sides_of_all);
+    for (const bool over_longest_side_only : {true, false}) {
+        std::vector<std::uint32_t> known;
+        for (std::uint32_t t = 0; t < triangles.size(); ++t)
+            if (length_squared(normals[t]) > 0) known.push_back(t);
+        for (std::size_t next = 0; next < known.size(); ++next)
+            for (const std::uint32_t t : neighbors[known[next]].across) {
+                if (t == no_triangle || length_squared(normals[t]) > 0) continue;
+                if (over_longest_side_only && neighbors[t].across[apexes[t].corner] != known[next])
+                    continue;
+                normals[t] = normals[known[next]];
+                known.push_back(t);
+            }
+    }
+    return normals;
+}
+
 /// Nothing if the surface is open, or not convex by more than the rounding of its positions.
 /// A closed surface is convex if it is at each edge, and in one piece: then it has two vertices and
 /// faces more than edges (Euler).
@@ -44,16 +95,13 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     const double furthest = std::max(length(box.lower), length(box.upper)),
                  tolerance = constants::touch_tolerance * box.extent() +
                              std::numeric_limits<float>::epsilon() * furthest;
-    std::vector<Vec3d> normals;
-    for (const Triangle& t : triangles) {
-        const Vec3d p = points[t.vertex[0]];
-        const Vec3d n = cross(points[t.vertex[1]] - p, points[t.vertex[2]] - p);
-        if (length(n) == 0) return std::nullopt;
-        normals.push_back(normalized(n));
-    }
+    const HalfEdges sides_of_all(triangles, points.size());
+    std::vector<Vec3d> normals = face_normals(surface, sides_of_all, tolerance);
+    if (std::ranges::any_of(normals, [](Vec3d n) { return length_squared(n) == 0; }))
+        return std::nullopt;
     bool is_convex = true;
     std::size_t edges = 0;
-    HalfEdges(triangles, points.size()).for_each_edge([&](std::span<const HalfEdge> sides) {
+    sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         ++edges;
         is_convex = is_convex && sides.size() == 2 && is_balanced(sides);
         if (!is_convex) return;
@@ -62,8 +110,10 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
         const auto opposite = [&](const HalfEdge& side) {
             return points[triangles[side.triangle].vertex[side.opposite]];
         };
-        is_convex = dot(n, opposite(sides[1]) - p) <= tolerance &&
-                    dot(m, opposite(sides[0]) - p) <= tolerance;
+        // Beside a triangle that is hardly higher than rounding, only the other one's plane is
+        // known.
+        is_convex = std::min(dot(n, opposite(sides[1]) - p), dot(m, opposite(sides[0]) - p)) <=
+                    tolerance;
         if (length(cross(n, m)) > constants::touch_tolerance)
             convex.edges.push_back(
                 {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
