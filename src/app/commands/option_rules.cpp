@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "scenes/named/scene.hpp"
@@ -68,6 +70,35 @@ void check_names(const CLI::App& command) {
     }
 }
 
+bool is_output(const CLI::Option& option) {
+    const std::string type = option.get_type_name();
+    return !option.get_positional() && (type == "FILE" || type == "OUT");
+}
+
+/// True if a file is `input`, or one that a recording in the folder `input` consists of.
+bool is_read(const std::filesystem::path& file, const std::filesystem::path& input) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none)) return false;
+    if (std::filesystem::equivalent(file, input, none)) return true;
+    const std::string name = file.filename(), type = file.extension();
+    return std::filesystem::equivalent(std::filesystem::absolute(file).parent_path(), input,
+                                       none) &&
+           (name == "scene.json" || type == ".npy" || type == ".obj");
+}
+
+/// What a command reads is not written over.
+void check_outputs(const CLI::App& command) {
+    for (const CLI::Option* output : command.get_options()) {
+        if (!is_output(*output)) continue;
+        for (const CLI::Option* input : command.get_options())
+            for (const std::string& file : output->results())
+                for (const std::string& name : input->results())
+                    if (input->get_positional() && is_read(file, name))
+                        throw CLI::ValidationError(output->get_name(),
+                                                   "would replace '" + file + "', which is read");
+    }
+}
+
 }  // namespace
 
 void refuse_what_has_no_effect(CLI::App& app) {
@@ -77,6 +108,7 @@ void refuse_what_has_no_effect(CLI::App& app) {
             for (const Rule& rule : rules) check_rule(*command, rule);
             check_scene(*command);
             check_names(*command);
+            check_outputs(*command);
         });
     }
 }

@@ -4,8 +4,8 @@
 
 namespace pierce::app {
 
-/// Makes all commands refuse options that other ones, or the scene, leave without effect, and names
-/// of files that are empty.
+/// Makes all commands refuse options that other ones, or the scene, leave without effect, names of
+/// files that are empty, and outputs that would replace what is read.
 void refuse_what_has_no_effect(CLI::App& app);
 
 }  // namespace pierce::app

@@ -79,6 +79,23 @@ TEST_F(AppTest, RefusesTwoFilesOfOneName) {
     refused("run tori --count 2 --seconds 0.1 --html " + path("a") + " --json " + path("a"));
 }
 
+TEST_F(AppTest, RefusesToReplaceWhatItReads) {
+    ASSERT_EQ(pierce("run tori --count 1 --seconds 0.1 --record " + path("motion")).code, 0);
+    std::ofstream(folder / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                       "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    for (const std::string command :
+         {"check a.obj --json ./a.obj", "check a.obj --fix a.obj",
+          "detect a.obj a.obj --html a.obj", "replay motion --json motion/scene.json",
+          "explain motion --vertex 0 --json "
+          "motion/body_1.npy"}) {
+        const Outcome outcome = pierce(command, folder);
+        EXPECT_EQ(outcome.code, 2) << command;
+        EXPECT_THAT(outcome.text, HasSubstr("would replace")) << command;
+    }
+    for (int i = 0; i < 2; ++i)
+        EXPECT_EQ(pierce("replay motion --json motion/result.json", folder).code, 0);
+}
+
 TEST_F(AppTest, WritesAPictureOfEveryFrame) {
     ASSERT_EQ(pierce("run tori --count 2 --seconds 0.1 --record " + path("short")).code, 0);
     const std::string replay = "replay " + path("short") + " --json ";
