@@ -209,23 +209,41 @@ def _refuse_what_is_misread(path: Path) -> None:
             raise InputError(f"cannot read '{path}': it has {what}, which trimesh misreads")
 
 
+def _node_of_primitive(scene, node, geometry) -> str:
+    """The node of a mesh: trimesh makes a child of it for each primitive of a glTF mesh."""
+    parent = scene.graph.transforms.parents.get(node)
+    is_one_of_many = geometry.metadata.get("from_gltf_primitive", False)
+    return parent if is_one_of_many and str(node).startswith(f"{parent}_") else node
+
+
+def _joined(geometries) -> tuple[np.ndarray, np.ndarray]:
+    counts = [len(geometry.vertices) for geometry in geometries]
+    begins = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
+    return (
+        np.concatenate([geometry.vertices for geometry in geometries]),
+        np.concatenate([g.faces + begin for g, begin in zip(geometries, begins)]),
+    )
+
+
 def _read_scene(path: Path) -> list[Part]:
     trimesh = need("trimesh", "trimesh", f"reading {path.suffix}")
-    options = {}
     if path.suffix.lower() in (".gltf", ".glb"):
         _refuse_what_is_misread(path)
-        options["merge_primitives"] = True  # what has several materials is one mesh
-    scene = trimesh.load_scene(str(path), process=False, **options)
-    parts, left_out = [], []
+    scene = trimesh.load_scene(str(path), process=False)
+    meshes, left_out = {}, []
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
         geometry = scene.geometry[name]
         if not isinstance(geometry, trimesh.Trimesh):
             left_out.append(node)
             continue
+        whole = _node_of_primitive(scene, node, geometry)
+        meshes.setdefault(whole, (matrix, []))[1].append(geometry)
+    parts = []
+    for node, (matrix, primitives) in meshes.items():
         rigid, stretch = split(np.asarray(matrix, np.float64))
-        mesh = placed(geometry.vertices, geometry.faces, stretch)
-        parts.append(Part(str(node), *mesh, poses_of(rigid[None])[0]))
+        vertices, faces = _joined(primitives)
+        parts.append(Part(str(node), *placed(vertices, faces, stretch), poses_of(rigid[None])[0]))
     if left_out:
         warnings.warn(f"'{path}': left out, as they have no triangles: {left_out}", stacklevel=3)
     return parts

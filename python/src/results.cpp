@@ -68,6 +68,7 @@ void bind_enumerations(nb::module_& module) {
         .value("not_inside_own", Reason::not_inside_own)
         .value("own_exit_first", Reason::own_exit_first)
         .value("beyond_range", Reason::beyond_range)
+        .value("no_triangle_names_it", Reason::no_triangle_names_it)
         .value("not_looked_at", Reason::not_looked_at)
         .value("not_looked_for", Reason::not_looked_for)
         .value("apart", Reason::apart)

@@ -57,11 +57,17 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
     MeshData data = mesh_data_of(mesh);
     MeshOptions options = mesh_options(inside, cache, threads, progress);
     const Use world(self);
-    const std::optional<MeshId> last = before.is_none() ? std::nullopt
-                                                        : std::optional(nb::cast<MeshId>(before));
+    const Mesh* last = nullptr;
+    if (nb::isinstance<Mesh>(before))
+        last = &nb::cast<const Mesh&>(before);
+    else if (nb::isinstance<MeshId>(before))
+        last = &world->mesh(nb::cast<MeshId>(before));
+    else if (!before.is_none())
+        throw nb::type_error("add_mesh: `before` is a MeshId or a Mesh");
     const WithoutGil without_gil;
-    return last ? world->add_mesh(name, std::move(data), *last, std::move(options))
-                : world->add_mesh(name, std::move(data), std::move(options));
+    return last != nullptr ? world->add_mesh(std::make_shared<const Mesh>(
+                                 name, std::move(data), *last, std::move(options)))
+                           : world->add_mesh(name, std::move(data), std::move(options));
 }
 
 void set_pair_filter(PyWorld& self, nb::object filter) {
@@ -114,8 +120,8 @@ void bind_bodies(nb::class_<PyWorld>& c) {
           nb::arg("inside") = "automatic", nb::arg("before") = nb::none(), nb::arg("cache") = "",
           nb::arg("threads") = 0, nb::arg("progress") = nb::none(),
           "Checks and keeps a mesh: a Mesh, which worlds share, a trimesh or meshio mesh, or a "
-          "pair (vertices (n, 3), triangles (m, 3)). `before`: the mesh that it was before it was "
-          "cut, torn or grown. Raises InputError.")
+          "pair (vertices (n, 3), triangles (m, 3)). `before`: the mesh, by handle or as a Mesh, "
+          "that it was before it was cut, torn or grown. Raises InputError.")
         .def(
             "remove_mesh", [](PyWorld& w, MeshId mesh) { Use(w)->remove_mesh(mesh); },
             nb::arg("mesh"), "Raises InputError while a body uses the mesh.")

@@ -63,7 +63,7 @@ struct HoldsWorld {
         return 0;
     }
     static int clear(PyObject* self) {
-        nb::inst_ptr<T>(self)->world.reset();
+        if (nb::inst_ready(self)) nb::inst_ptr<T>(self)->world.reset();
         return 0;
     }
     static inline PyType_Slot slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit)},

@@ -4,6 +4,7 @@ import base64
 import json
 import struct
 import sys
+from contextlib import nullcontext
 
 import numpy as np
 import pierce
@@ -172,9 +173,11 @@ def is_at(part, world):
     return np.abs(now - world).max() < 1e-5
 
 
+@pytest.mark.parametrize("extra", [[], [1], [0]], ids=["triangles", "lines", "points"])
+@pytest.mark.parametrize("materials", [0, 1, 2])
 @pytest.mark.parametrize("twice", [False, True])
-def test_materials_of_gltf(twice, tmp_path):
-    """A mesh with a primitive for each of two materials is one part, of one name."""
+def test_primitives_of_gltf(twice, materials, extra, tmp_path):
+    """A mesh of two primitives, with a material each or without, is one part, of one name."""
     points, triangles = box()
     halves = np.split(np.asarray(triangles, "<u4"), 2)
     blobs = [np.asarray(points, "<f4").tobytes(), *(half.tobytes() for half in halves)]
@@ -183,9 +186,10 @@ def test_materials_of_gltf(twice, tmp_path):
     corners = [{"componentType": 5125, "count": half.size, "type": "SCALAR"} for half in halves]
     lower, upper = np.min(points, 0).tolist(), np.max(points, 0).tolist()
     place = {"componentType": 5126, "count": 8, "type": "VEC3", "min": lower, "max": upper}
-    primitives = [
-        {"attributes": {"POSITION": 0}, "indices": k + 1, "material": k} for k in range(2)
-    ]
+    primitives = [{"attributes": {"POSITION": 0}, "indices": k + 1} for k in range(2)]
+    for k in range(materials):
+        primitives[k]["material"] = k
+    primitives[:0] = [{"attributes": {"POSITION": 0}, "indices": 1, "mode": m} for m in extra]
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
@@ -201,7 +205,8 @@ def test_materials_of_gltf(twice, tmp_path):
         "accessors": [{"bufferView": k, **each} for k, each in enumerate([place, *corners])],
     }
     (tmp_path / "cube.gltf").write_text(json.dumps(document))
-    parts = files.read_parts(tmp_path / "cube.gltf", weld=True)
+    with pytest.warns(UserWarning, match="left out") if extra else nullcontext():
+        parts = files.read_parts(tmp_path / "cube.gltf", weld=True)
     assert len(parts) == 1 + twice
     for part in parts:
         assert pierce.Mesh.make(part.mesh).traits.closed

@@ -238,7 +238,7 @@ private:
         mirror().keep_seen();
         if (graph != nullptr) {
             executor().begin_repetition(bank_);
-            pipeline().recall(mirror().scene());
+            pipeline().recall(*mirror().scene().plan);
         } else if (warm_ < 2) {
             ++warm_;
             bounded_stages(stats);
@@ -258,7 +258,7 @@ private:
             return pipeline().report(*mirror().scene().plan, stats);
         }
         // A list outgrew its room: the step runs once more as an exact step, from the same memory.
-        pipeline().recall(mirror().scene());
+        pipeline().recall(*mirror().scene().plan);
         mirror().restore_seen();
         restart();
         exact_step(stats);

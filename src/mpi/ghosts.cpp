@@ -31,8 +31,12 @@ void World::State::agree_on_news() {
     together([&] {
         make_lists();
         news.kinds = {};
-        for (const std::uint32_t b : own) news.kinds.add(inside.kinds_of(entry(b)));
-        if (!left_out.empty()) news.worlds = local.worlds();
+        std::set<std::int32_t> worlds;
+        for (const std::uint32_t b : own) {
+            news.kinds.add(inside.kinds_of(entry(b)));
+            worlds.insert(entry(b).filter.world);
+        }
+        if (!left_out.empty()) news.worlds.assign(worlds.begin(), worlds.end());
         mine = to_bytes(news);
     });
     const std::vector<std::string> all = comm.all_gather(mine);

@@ -667,6 +667,57 @@ TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
     }
 }
 
+/// Two unit cubes that have an edge in common, and four triangles there.
+MeshData cubes_at_an_edge() {
+    MeshData mesh = scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}),
+                                   scenes::box({1, 1, 0}, {2, 2, 1}));
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t.vertex)
+            v = static_cast<std::uint32_t>(std::ranges::find(mesh.positions, mesh.positions[v]) -
+                                           mesh.positions.begin());
+    return mesh;
+}
+
+TEST_P(CoverageTest, CubesAtAnEdgeThatOnlyTouchAnotherOneHaveNoDepth) {
+    const MeshData cube = scenes::box({0, 0, 0}, {1, 1, 1}), two = cubes_at_an_edge();
+    int touching = 0, overlapping = 0;
+    for (int turn = 0; turn < 3; ++turn)
+        for (int i = 0; i < 6 * 6 * 6; ++i) {
+            Vec3d by{0.5 * (i % 6) - 1.0, 0.5 * (i / 6 % 6) - 1.0, 0.5 * (i / 36) - 1.0};
+            MeshData turned = two;
+            for (Vec3f& p : turned.positions) {
+                const Vec3f before = p;
+                for (int k = 0; k < 3; ++k) p[(k + turn) % 3] = before[k];
+            }
+            double most = -1;  // of two axes each, how far cubes reach into each other
+            for (const Vec3d first : {Vec3d{0, 0, 0}, Vec3d{1, 1, 0}}) {
+                double least = 1;
+                for (int k = 0; k < 3; ++k) {
+                    const int axis = (k + turn) % 3;
+                    least = std::min(1 - std::fabs(by[axis] - first[k]), least);
+                }
+                most = std::max(least, most);
+            }
+            World world(GetParam().make());
+            const BodyId a = world.add_rigid_body(world.add_mesh("two", turned)),
+                         b = world.add_rigid_body(world.add_mesh("cube", cube), {by, {}});
+            world.detect();
+            double deepest = 0;
+            for (const Contact& c : world.contacts())
+                deepest = std::max(c.penetration_depth(), deepest);
+            if (most > 0) {
+                EXPECT_GT(deepest, 0.3) << i << " " << turn;
+                ++overlapping;
+            } else {
+                EXPECT_LT(deepest, 1e-5) << i << " " << turn;
+                EXPECT_FALSE(world.parting(a, b)) << i << " " << turn;
+                ++touching;
+            }
+        }
+    EXPECT_GT(touching, 100);
+    EXPECT_GT(overlapping, 50);
+}
+
 TEST_P(CoverageTest, ReprojectedDepthsOfToriAndBunniesAreDistancesToTheSurface) {
     // In bands of distance between the bodies' middles, as parts of the diameter of the ball around
     // them.

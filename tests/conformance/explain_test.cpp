@@ -119,6 +119,26 @@ TEST_P(ExplainTest, SaysWhyAPairIsNone) {
         EXPECT_FALSE(text.empty());
 }
 
+// The numbers of vertices fill a block of patches, or do not.
+TEST_P(ExplainTest, AVertexWithoutTrianglesIsNoPartOfItsBody) {
+    for (const std::uint32_t around : {16u, 17u}) {
+        MeshData ring = scenes::torus(1, 0.4, around, 16);
+        ring.positions.push_back(ring.positions[0]);
+        World world(GetParam().make());
+        const MeshId mesh = world.add_mesh("ring", ring);
+        const BodyId a = world.add_rigid_body(mesh),
+                     b = world.add_rigid_body(mesh, {{0.9, 0.1, 0.2}, {}});
+        world.detect();
+        ASSERT_FALSE(world.contacts().empty());
+        const auto unused = static_cast<std::uint32_t>(ring.positions.size()) - 1;
+        for (const auto& [of, other] : {std::pair{a, b}, std::pair{b, a}}) {
+            const Explanation why = world.explain(of, other, unused);
+            EXPECT_EQ(why.reason, Reason::no_triangle_names_it) << why.text();
+            EXPECT_EQ(why.certificate.kind, Certificate::none);
+        }
+    }
+}
+
 TEST_P(ExplainTest, OpenBodiesRaysAreShort) {
     World world(GetParam().make(), vertex_rays);
     const BodyId block = world.add_fixed_body(

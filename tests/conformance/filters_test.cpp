@@ -461,6 +461,30 @@ TEST_P(FiltersTest, ManyPosesAreSetAtOnce) {
     EXPECT_EQ(world.vertex_position(bodies[0], 0), (Vec3d{-1, -1, -1}));
 }
 
+/// Whatever the numbers of bodies: those of the first two fit both ways of writing pairs.
+TEST_P(FiltersTest, ContactsBeginANewAgeWhenTheFirstBodyGetsAWorld) {
+    for (const int before : {0, 1}) {
+        World world(GetParam().make());
+        const MeshId box = world.add_mesh("box", scenes::box({-1, -1, -1}, {1, 1, 1}));
+        for (int k = 0; k < before; ++k) world.add_rigid_body(box, {{50, 0, 0}, {}});
+        const BodyId a = world.add_fixed_body(box), b = world.add_rigid_body(box);
+        const auto age_after_move = [&](double by) {
+            world.set_pose(b, {{0.1 + by, 0.2, 1.9}, {}});
+            world.detect();
+            EXPECT_FALSE(world.contacts().empty());
+            return world.contacts()[0].age;
+        };
+        for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(age_after_move(0.001 * i), i);
+        world.set_filter(a, {.world = 0});
+        world.set_filter(b, {.world = 0});
+        EXPECT_EQ(age_after_move(0.01), 0u) << before;
+        EXPECT_EQ(age_after_move(0.011), 1u) << before;
+        world.set_filter(a, {});
+        world.set_filter(b, {});
+        EXPECT_EQ(age_after_move(0.012), 0u) << before;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Backends, FiltersTest, testing::ValuesIn(test::backends()),
                          test::backend_name);
 

@@ -60,6 +60,34 @@ MeshData with_t_junctions(MeshData mesh, std::uint32_t n) {
     return mesh;
 }
 
+/// A cube of width 2; vertex 8 + k is the middle of a side.
+MeshData cube_with_middles() {
+    MeshData mesh = scenes::box({-1, -1, -1}, {1, 1, 1});
+    const std::vector<Triangle> halves = std::exchange(mesh.triangles, {});
+    for (std::size_t side = 0; side < 6; ++side) {
+        // The two halves of a side, as a fan around its middle.
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> border;
+        Vec3d sum;
+        const auto add = [&](std::uint32_t from, std::uint32_t to) {
+            const auto back = std::ranges::find(border, std::pair{to, from});
+            if (back != border.end())
+                border.erase(back);
+            else
+                border.emplace_back(from, to);
+        };
+        for (const std::size_t half : {2 * side, 2 * side + 1})
+            for (int k = 0; k < 3; ++k)
+                add(halves[half].vertex[k], halves[half].vertex[(k + 1) % 3]);
+        const auto middle = static_cast<std::uint32_t>(mesh.positions.size());
+        for (const auto& [from, to] : border) {
+            sum += to_double(mesh.positions[from]);
+            mesh.triangles.push_back({{from, to, middle}});
+        }
+        mesh.positions.push_back(to_float(0.25 * sum));
+    }
+    return mesh;
+}
+
 /// Three faces around a tip, and one at the other end, which has a greater y.
 MeshData needle(Vec3d tip, Vec3d end) {
     MeshData mesh;
@@ -150,6 +178,83 @@ TEST_P(NoAreaTest, VerticesNearATJunctionAreWithinTheMargin) {
         }
     }
     EXPECT_GT(near, 300u);
+}
+
+/// A triangle without area that comes with the motion of a body is one, too.
+TEST_P(NoAreaTest, VerticesNearAFaceWhoseTrianglesCollapseAreWithinTheMargin) {
+    test::Random random(44);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int near = 0;
+    for (int i = 0; i < 200; ++i) {
+        // A cube whose sides have a vertex in their middles, one of which slides onto a border.
+        const MeshData rest = cube_with_middles();
+        const Pose turn{random.in_box(0.3), random.rotation()};
+        MeshData now = rest;
+        const auto side = static_cast<std::size_t>(random.integer(0, 5));
+        Vec3f& middle = now.positions[8 + side];
+        int axis = 0;
+        while (std::abs(middle[axis]) != 1) ++axis;
+        middle[(axis + 1) % 3] = 1;
+        middle[(axis + 2) % 3] = static_cast<float>(random.uniform(-0.9, 0.9));
+        now = turned(now, turn);
+        // Beside the border and beyond both of its faces.
+        Vec3d place;
+        place[axis] = rest.positions[8 + side][axis] * random.uniform(0.98, 1.03);
+        place[(axis + 1) % 3] = random.uniform(1.005, 1.03);
+        place[(axis + 2) % 3] = random.uniform(-0.9, 0.9);
+        World world(GetParam().make(), {.margin = 0.2});
+        world.add_deforming_body(world.add_mesh("cube", rest), now.positions);
+        const MeshData probe = scenes::sphere(0.001, 0);
+        const BodyId body = world.add_rigid_body(world.add_mesh("probe", probe),
+                                                 {frame_of(turn).to_parent(place), {}});
+        world.detect();
+        for (std::uint32_t v = 0; v < probe.positions.size(); ++v) {
+            const double distance = distance_to(now, world.vertex_position(body, v));
+            const auto found = std::ranges::find_if(world.contacts(), [&](const Contact& c) {
+                return c.source == Side::b && !c.is_edge() && c.vertex == v;
+            });
+            ASSERT_NE(found, world.contacts().end()) << i << " vertex " << v;
+            EXPECT_NEAR(found->distance, distance, rounding) << i << " vertex " << v;
+            ++near;
+        }
+    }
+    EXPECT_GT(near, 1000);
+}
+
+TEST_P(NoAreaTest, RidgesCutByTJunctionsAreWithinTheMargin) {
+    test::Random random(43);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int i = 0; i < 60; ++i) {
+        // Two bars cross, a ridge of each towards the other: one contact of edges.
+        const MeshData bar = prism({{0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
+                                   {{{0, 1, 2}}, {{0, 2, 3}}});
+        const Pose turn{{}, random.rotation()};
+        const double apart = random.uniform(0.02, 0.1);
+        const Pose over{{2 + apart, 0, 0}, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}};
+        const auto edges_near = [&](bool is_cut) {
+            const MeshData one = is_cut ? with_t_junctions(bar, 4) : bar;
+            World world(GetParam().make(), {.margin = 0.2});
+            const MeshId mesh = world.add_mesh("bar", turned(one, turn)),
+                         other = world.add_mesh("over", turned(turned(one, over), turn));
+            if (i % 2 == 0) {
+                world.add_fixed_body(mesh);
+                world.add_rigid_body(other);
+            } else {
+                world.add_deforming_body(mesh);
+                world.add_deforming_body(other);
+            }
+            world.detect();
+            std::vector<Contact> found;
+            std::ranges::copy_if(world.contacts(), std::back_inserter(found),
+                                 [](const Contact& c) { return c.is_edge(); });
+            return found;
+        };
+        const std::vector<Contact> whole = edges_near(false), cut = edges_near(true);
+        ASSERT_EQ(whole.size(), 1u) << i;
+        ASSERT_EQ(cut.size(), 1u) << i;
+        EXPECT_NEAR(cut[0].distance, apart, rounding) << i;
+        EXPECT_NEAR(length(cut[0].point_a - whole[0].point_a), 0, 1e-4) << i;
+    }
 }
 
 /// A triangle without area that floats beside the surface hides nothing of it.

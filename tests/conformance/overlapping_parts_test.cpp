@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <limits>
@@ -50,6 +51,135 @@ double distance_to_surface(Vec3d p, const MeshData& mesh, const Frame& frame) {
         least = std::min(least, length(p - closest_on_triangle(p, at(t.vertex[0]), at(t.vertex[1]),
                                                                at(t.vertex[2]))));
     return least;
+}
+
+/// A box whose sides are `n` by `n` squares.
+MeshData fine_box(Vec3f lower, Vec3f upper, int n) {
+    MeshData mesh;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const bool high : {false, true}) {
+            const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (int i = 0; i <= n; ++i)
+                for (int j = 0; j <= n; ++j) {
+                    Vec3f p;
+                    const auto between = [&](int k, int step) {
+                        const float part = static_cast<float>(step) / static_cast<float>(n);
+                        return step == n ? upper[k] : lower[k] + part * (upper[k] - lower[k]);
+                    };
+                    p[axis] = high ? upper[axis] : lower[axis];
+                    p[u] = between(u, i);
+                    p[v] = between(v, j);
+                    mesh.positions.push_back(p);
+                }
+            const auto at = [&](int i, int j) {
+                return first + static_cast<std::uint32_t>(i * (n + 1) + j);
+            };
+            for (int i = 0; i < n; ++i)
+                for (int j = 0; j < n; ++j) {
+                    Triangle one{{at(i, j), at(i + 1, j), at(i + 1, j + 1)}},
+                        other{{at(i, j), at(i + 1, j + 1), at(i, j + 1)}};
+                    if (!high)
+                        for (Triangle* t : {&one, &other}) std::swap(t->vertex[1], t->vertex[2]);
+                    mesh.triangles.push_back(one);
+                    mesh.triangles.push_back(other);
+                }
+        }
+    for (Triangle& t : mesh.triangles)
+        for (std::uint32_t& v : t.vertex)
+            v = static_cast<std::uint32_t>(std::ranges::find(mesh.positions, mesh.positions[v]) -
+                                           mesh.positions.begin());
+    return mesh;
+}
+
+// Faces of two parts that lie in one plane and face the same way are the surface of the union.
+TEST_P(OverlappingPartsTest, FlushPartsHaveTheContactsOfOneBox) {
+    test::Random random(9);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    for (int i = 0; i < 48; ++i) {
+        const int n = 1 << random.integer(0, 3);
+        const bool is_in_twice = i % 4 == 0;
+        const Vec3f one = {1, 1, 1}, from = {is_in_twice ? 0.0f : 0.5f, 0, 0},
+                    to = {is_in_twice ? 1.0f : 1.5f, 1, 1};
+        MeshData two = joined(fine_box({0, 0, 0}, one, n), fine_box(from, to, n)),
+                 whole = fine_box({0, 0, 0}, to, 1);
+        const Frame turn = frame_of({random.in_box(1), random.rotation()});
+        for (MeshData* mesh : {&two, &whole})
+            for (Vec3f& p : mesh->positions) p = to_float(turn.to_parent(to_double(p)));
+        const double height = i % 2 == 0 ? 0.05 : -0.19;
+        const Pose place{turn.to_parent({random.uniform(0.4, 0.6) * static_cast<double>(to.x), 0.5,
+                                         1 + height + 0.2}),
+                         random.rotation()};
+        const auto contacts_of = [&](const MeshData& target) {
+            World world(GetParam().make(), {.coverage = Coverage::vertices, .margin = 0.1});
+            const MeshId id = world.add_mesh("target", target);
+            if (i % 3 == 0)
+                world.add_deforming_body(id);
+            else
+                world.add_fixed_body(id);
+            world.add_rigid_body(world.add_mesh("ball", scenes::sphere(0.2, 2)), place);
+            world.detect();
+            std::vector<Contact> of_ball;
+            std::ranges::copy_if(world.contacts(), std::back_inserter(of_ball),
+                                 [](const auto& c) { return !c.is_edge() && c.source == Side::b; });
+            return of_ball;
+        };
+        const std::vector<Contact> parts = contacts_of(two), box = contacts_of(whole);
+        ASSERT_GT(box.size(), 3u) << i;
+        ASSERT_EQ(parts.size(), box.size()) << i << " n " << n;
+        for (std::size_t k = 0; k < box.size(); ++k) {
+            EXPECT_EQ(parts[k].vertex, box[k].vertex) << i;
+            EXPECT_NEAR(parts[k].distance, box[k].distance, 1e-5) << i << " n " << n;
+            EXPECT_NEAR(length(parts[k].normal - box[k].normal), 0, 1e-3) << i << " n " << n;
+        }
+    }
+}
+
+// A bar lies through a cube; a box is near both.
+TEST_P(OverlappingPartsTest, RidgesWithinTheUnionAreNearNothing) {
+    const MeshData cube = scenes::box({-1, -1, -1}, {1, 1, 1}),
+                   bar = scenes::box({-2, -0.2f, -0.2f}, {2, 0.2f, 0.2f});
+    const auto is_in = [](Vec3d p, double x, double other) {
+        return std::fabs(p.x) < x - 1e-3 && std::fabs(p.y) < other - 1e-3 &&
+               std::fabs(p.z) < other - 1e-3;
+    };
+    test::Random random(31);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int near = 0, near_parts = 0;
+    for (int i = 0; i < 200; ++i) {
+        const Vec3d at{random.uniform(-2.2, 2.2), random.uniform(-1.3, 1.3),
+                       random.uniform(-1.3, 1.3)};
+        const Pose pose{at, random.rotation()};
+        const auto edges_of = [&](const std::vector<MeshData>& targets) {
+            World world(GetParam().make(), {.margin = 0.3});
+            world.add_rigid_body(
+                world.add_mesh("probe", scenes::box({-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f})),
+                pose);
+            for (const MeshData& target : targets)
+                world.add_fixed_body(world.add_mesh("target", target));
+            world.detect();
+            std::vector<Contact> found;
+            std::ranges::copy_if(world.contacts(), std::back_inserter(found), [](const Contact& c) {
+                return c.is_edge() && c.found == Found::near;
+            });
+            return found;
+        };
+        // Those of the union are those of its parts that begin and end outside of the other part.
+        std::size_t expected = 0;
+        for (const Contact& c : edges_of({cube, bar})) {
+            const bool of_cube = c.b.index == 1;
+            const auto is_within = [&](Vec3d p) {
+                return of_cube ? is_in(p, 2, 0.2) : is_in(p, 1, 1);
+            };
+            ++near_parts;
+            expected += !is_within(c.point_a) && !is_within(c.point_b);
+        }
+        const std::size_t found = edges_of({joined(cube, bar)}).size();
+        EXPECT_EQ(found, expected) << i;
+        near += static_cast<int>(found);
+    }
+    EXPECT_GT(near, 10);
+    EXPECT_GT(near_parts, near + 10);
 }
 
 TEST_P(OverlappingPartsTest, ASheetBecomesASolidWithoutMoving) {

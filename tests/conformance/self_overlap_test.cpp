@@ -3,8 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "core/device/view.hpp"
+#include "core/geometry/solid_angle.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/reference_backends.hpp"
@@ -119,6 +125,61 @@ TEST_P(SelfOverlapTest, OthersAreFoundAsBeforeAndOverSteps) {
             EXPECT_GT(self, 20u);
         }
     }
+}
+
+/// The sum of the solid angles of triangles, as a winding number.
+double winding(const std::vector<Vec3f>& positions, std::span<const Triangle> triangles, Vec3d p) {
+    double angle = 0;
+    for (const Triangle& t : triangles) {
+        const auto to = [&](int k) { return to_double(positions[t.vertex[k]]) - p; };
+        angle += solid_angle(to(0), to(1), to(2));
+    }
+    return angle / (4 * std::numbers::pi);
+}
+
+TEST_P(SelfOverlapTest, WhereThreePartsOverlapNoVertexIsMissed) {
+    const MeshData ball = scenes::sphere(1, 2);
+    MeshData mesh = scenes::joined(ball,
+                                   {scenes::moved(ball.positions, {10, 0, 0}), ball.triangles});
+    mesh = scenes::joined(mesh, {scenes::moved(ball.positions, {20, 0, 0}), ball.triangles});
+    const std::size_t vertices = ball.positions.size(), triangles = ball.triangles.size();
+    test::Random random(12);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int inside = 0;
+    for (int i = 0; i < 20; ++i) {
+        std::vector<Vec3f> positions = mesh.positions;
+        const Vec3d third = random.in_box(0.9);
+        for (std::size_t v = 0; v < vertices; ++v) {
+            positions[vertices + v].x -= 10 - 1.2f;
+            positions[2 * vertices + v].x -= 20;
+            positions[2 * vertices + v] = to_float(to_double(positions[2 * vertices + v]) + third);
+        }
+        World world(GetParam().make());
+        const BodyId body = world.add_deforming_body(world.add_mesh("balls", mesh), positions);
+        world.set_collision(body, {.self = SelfCollision::on});
+        world.detect();
+        std::vector<bool> has_contact(positions.size(), false);
+        for (const Contact& c : world.contacts()) {
+            has_contact[c.vertex] = true;
+            EXPECT_GT(c.penetration_depth(), 0);
+        }
+        for (std::size_t v = 0; v < positions.size(); ++v) {
+            const std::size_t part = v / vertices;
+            const Vec3d p = to_double(positions[v]);
+            double deepest = 0;
+            for (std::size_t other = 0; other < 3; ++other)
+                if (other != part)
+                    deepest = std::max(
+                        winding(positions,
+                                std::span(mesh.triangles).subspan(other * triangles, triangles), p),
+                        deepest);
+            if (deepest > 0.9) ++inside;
+            if (deepest > 0.9 || deepest < 0.1) {
+                EXPECT_EQ(has_contact[v], deepest > 0.9) << i << " " << v;
+            }
+        }
+    }
+    EXPECT_GT(inside, 500);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, SelfOverlapTest, testing::ValuesIn(test::backends()),

@@ -301,6 +301,33 @@ TEST_F(RanksChangeTest, WorldsAreLeftOutWhereverTheirBodiesAre) {
     EXPECT_THROW(many->set_world_active(-2, false), InputError);
 }
 
+// It is a ghost of the other rank when it is removed.
+TEST_F(RanksChangeTest, AWorldThatHasLostItsLastBodyIsLeftOutNoMore) {
+    const MeshId mesh = add_mesh(cube());
+    for (const int owner : {0, 1}) {
+        const auto b = static_cast<std::uint32_t>(4 * owner);
+        const auto join = [&](std::uint32_t number) {
+            on_owner(number, [](auto& world, BodyId id) { world.set_filter(id, {.world = 3}); });
+        };
+        add_rigid(owner, b, mesh, at(50.0 * owner));
+        add_rigid(1 - owner, b + 1, mesh, at(50.0 * owner + 0.8));
+        join(b);
+        const std::size_t all = step();
+        one->set_world_active(3, false);
+        many->set_world_active(3, false);
+        EXPECT_LT(step(), all);
+        on_owner(b, [](auto& world, BodyId gone) { world.remove_body(gone); });
+        step();
+        step();
+        add_rigid(owner, b + 2, mesh, at(50.0 * owner));
+        join(b + 2);
+        EXPECT_EQ(step(), all) << owner;
+        on_owner(b + 2, [](auto& world, BodyId gone) { world.remove_body(gone); });
+        on_owner(b + 1, [](auto& world, BodyId gone) { world.remove_body(gone); });
+        step();
+    }
+}
+
 TEST_F(RanksChangeTest, NumbersAndExclusionsOfRemovedBodies) {
     const MeshId mesh = add_mesh(cube());
     add_rigid(0, 0, mesh, at(0));

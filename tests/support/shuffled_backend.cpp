@@ -32,7 +32,7 @@ public:
         for (const View<SeenPatch>& body : scene.seen) seen.emplace_back(body.begin(), body.end());
         StepStats for_nothing = stats;
         executor().run([&] { pipeline().step(scene, for_nothing); });
-        pipeline().recall(scene);
+        pipeline().recall(*scene.plan);
         for (std::uint32_t b = 0; b < scene.seen.size; ++b)
             std::ranges::copy(seen[b], scene.seen[b].begin());
         PipelineBackend::step(scene, stats);

@@ -151,6 +151,31 @@ TEST(PartingTest, TJunctionsMakeNoDifferenceToConvexBodies) {
     EXPECT_GT(overlapping, 100);
 }
 
+// It is closed, convex at each edge and obeys Euler, but winds around its middle seven times.
+TEST(PartingTest, TheGreatIcosahedronIsNotConvex) {
+    const double golden = (1 + std::sqrt(5.0)) / 2;
+    MeshData star;
+    for (const double s : {-1.0, 1.0})
+        for (const double t : {-golden, golden})
+            for (const Vec3d p : {Vec3d{0, s, t}, Vec3d{s, t, 0}, Vec3d{t, 0, s}})
+                star.positions.push_back(to_float(p));
+    const auto at = [&](std::uint32_t v) { return to_double(star.positions[v]); };
+    const auto are_joined = [&](std::uint32_t v, std::uint32_t w) {
+        return std::fabs(length(at(v) - at(w)) - 2 * golden) < 1e-3;
+    };
+    for (std::uint32_t a = 0; a < 12; ++a)
+        for (std::uint32_t b = a + 1; b < 12; ++b)
+            for (std::uint32_t c = b + 1; c < 12; ++c) {
+                if (!are_joined(a, b) || !are_joined(b, c) || !are_joined(a, c)) continue;
+                const bool faces_out = dot(cross(at(b) - at(a), at(c) - at(a)), at(a)) > 0;
+                star.triangles.push_back(faces_out ? Triangle{{a, b, c}} : Triangle{{a, c, b}});
+            }
+    ASSERT_EQ(star.triangles.size(), 20u);
+    EXPECT_TRUE(Mesh("star", star).traits().closed());
+    EXPECT_FALSE(is_convex(Mesh("star", star)));
+    EXPECT_TRUE(is_convex(Mesh("ball", scenes::sphere(1, 2))));
+}
+
 TEST(PartingTest, SeveralConvexPartsAreNoConvexBody) {
     World world;
     const MeshId posts = world.add_mesh(

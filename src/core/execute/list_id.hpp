@@ -38,6 +38,8 @@ enum class ListId : std::uint8_t {
     // self_overlap and separation
     self_candidates,
     outward_rays,
+    entering_rays,
+    inward_rays,
     stranded_vertices,
     stranded_chords,
     deep_chords,

@@ -17,4 +17,15 @@ inline std::vector<bool> used_vertices(std::span<const Triangle> triangles, std:
     return used;
 }
 
+/// Per vertex, itself; for one that no triangle has, another one that stands in for it, so that
+/// boxes around all places are those of the body.
+inline std::vector<std::uint32_t> stand_ins(std::span<const Triangle> triangles,
+                                            std::size_t vertices) {
+    const std::vector<bool> used = used_vertices(triangles, vertices);
+    std::vector<std::uint32_t> result;
+    for (std::uint32_t v = 0; v < vertices; ++v)
+        result.push_back(used[v] ? v : triangles[0].vertex[0]);
+    return result;
+}
+
 }  // namespace pierce

@@ -2,6 +2,7 @@
 
 #include "core/device/view.hpp"
 #include "core/geometry/float_rules.hpp"
+#include "core/geometry/triangle.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/mesh.hpp"
@@ -44,6 +45,21 @@ PIERCE_HD inline bool leads_inside(const MeshView& mesh, View<const Vec3f> posit
         const Vec3d a = to_double(positions[mesh.corners[i].next]) - apex;
         const Vec3d b = to_double(positions[mesh.corners[i].previous]) - apex;
         if (!(dot(cross(a, b), direction) < 0)) return false;
+    }
+    return true;
+}
+
+/// True if `direction`, unit, is behind every triangle around vertex `v` by more than rounding:
+/// constants::touch_tolerance is the sine. Triangles without area have no side.
+PIERCE_HD inline bool leads_well_inside(const MeshView& mesh, View<const Vec3f> positions,
+                                        std::uint32_t v, Vec3d direction) {
+    const Vec3d apex = to_double(positions[v]);
+    for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
+        const Vec3d a = to_double(positions[mesh.corners[i].next]);
+        const Vec3d b = to_double(positions[mesh.corners[i].previous]);
+        if (is_degenerate(apex, a, b)) continue;
+        const Vec3d normal = normalized(cross(a - apex, b - apex));
+        if (!(dot(normal, direction) < -constants::touch_tolerance)) return false;
     }
     return true;
 }

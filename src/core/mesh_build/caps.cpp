@@ -7,7 +7,8 @@
 #include <queue>
 #include <utility>
 
-#include "core/mesh/half_edges.hpp"
+#include "core/mesh_build/gap_seams.hpp"
+#include "core/mesh_build/missing_edges.hpp"
 #include "core/mesh_build/spatial_order.hpp"
 #include "pierce/constants.hpp"
 
@@ -22,19 +23,10 @@ struct Links {
     std::vector<std::uint32_t> to;
 };
 
-/// The edges that are missing for balance, by the vertex they start from.
-Links missing_edges(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> missing;
-    HalfEdges(triangles, vertex_count).for_each_edge([&](std::span<const HalfEdge> sides) {
-        const std::ptrdiff_t forward = std::ranges::count(sides, true, &HalfEdge::forward);
-        const std::ptrdiff_t more = 2 * forward - std::ssize(sides);
-        const auto [low, high] = std::pair{sides[0].low, sides[0].high};
-        for (std::ptrdiff_t i = 0; i < more; ++i) missing.emplace_back(high, low);
-        for (std::ptrdiff_t i = 0; i < -more; ++i) missing.emplace_back(low, high);
-    });
-    std::ranges::sort(missing);
+/// The missing edges of some triangles, by the vertex they start from.
+Links links_of(std::span<const Triangle> triangles, std::size_t vertex_count) {
     Links links{std::vector<std::uint32_t>(vertex_count + 1, 0), {}};
-    for (const auto& [from, to] : missing) {
+    for (const auto& [from, to] : missing_edges(triangles, vertex_count)) {
         ++links.begin[from + 1];
         links.to.push_back(to);
     }
@@ -231,16 +223,38 @@ Loop bridged(const Loop& first, std::size_t first_at, const Loop& second, std::s
     return both;
 }
 
+/// What the seams of gaps leave open between vertices of one cluster belongs to them. Takes those
+/// caps out of a list.
+Cap cap_of_gaps(const GapSeams& seams, const std::vector<Loop>& loops, std::vector<Cap>& caps) {
+    Cap gaps{.triangles = seams.triangles, .area = seams.area, .is_gap = true};
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+        const auto cluster = [&](std::uint32_t v) { return seams.cluster[v]; };
+        if (!std::ranges::all_of(
+                loops[i], [&](std::uint32_t v) { return cluster(v) == cluster(loops[i].front()); }))
+            continue;
+        gaps.triangles.insert(gaps.triangles.end(), caps[i].triangles.begin(),
+                              caps[i].triangles.end());
+        gaps.area += caps[i].area;
+        caps[i] = {};
+    }
+    return gaps;
+}
+
 }  // namespace
 
 std::vector<Cap> caps_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                          double mean_edge) {
-    const std::vector<Loop> loops = loops_along(missing_edges(triangles, positions.size()));
+    const GapSeams seams = gap_seams(positions, triangles);
+    std::vector<Triangle> sewn(triangles.begin(), triangles.end());
+    sewn.insert(sewn.end(), seams.triangles.begin(), seams.triangles.end());
+    const std::vector<Loop> loops = loops_along(links_of(sewn, positions.size()));
     LoopFill filler(positions);
     std::vector<Cap> caps;
-    caps.reserve(loops.size());
+    caps.reserve(loops.size() + 1);
     for (const Loop& loop : loops) caps.push_back(filler.fill(loop));
-    std::vector<bool> joined(loops.size(), false);
+    caps.push_back(cap_of_gaps(seams, loops, caps));
+    std::vector<bool> joined;
+    for (std::size_t i = 0; i < loops.size(); ++i) joined.push_back(caps[i].triangles.empty());
     for (const NearLoops& near : near_loops(positions, loops, constants::gap_width * mean_edge)) {
         if (joined[near.first] || joined[near.second]) continue;
         Cap across = filler.fill(
@@ -248,6 +262,7 @@ std::vector<Cap> caps_of(std::span<const Vec3f> positions, std::span<const Trian
         if (!(across.area < constants::gap_area * (caps[near.first].area + caps[near.second].area)))
             continue;
         joined[near.first] = joined[near.second] = true;
+        across.is_gap = true;
         caps[near.first] = std::move(across);
         caps[near.second] = {};
     }

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <optional>
+#include <limits>
 #include <utility>
 
 #include "core/mesh/coincident_vertices.hpp"
@@ -11,60 +10,23 @@
 #include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/covered_triangles.hpp"
 #include "core/mesh_build/covered_walls.hpp"
+#include "core/mesh_build/inward_parts.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
-#include "core/mesh_build/winding_tree.hpp"
+#include "core/mesh_build/separating_patches.hpp"
+#include "core/mesh_build/triangle_groups.hpp"
 #include "pierce/constants.hpp"
+#include "pierce/ids.hpp"
 
 namespace pierce {
 namespace {
 
-Vec3d middle_of(std::span<const Vec3f> positions, const Triangle& t) {
-    Vec3d sum;
-    for (std::uint32_t v : t.vertex) sum += to_double(positions[v]);
-    return (1.0 / 3) * sum;
-}
-
-double area_of(std::span<const Vec3f> positions, const Triangle& t) {
-    const Vec3d a = to_double(positions[t.vertex[0]]);
-    return 0.5 * length(cross(to_double(positions[t.vertex[1]]) - a,
-                              to_double(positions[t.vertex[2]]) - a));
-}
-
-/// Per patch: it does not separate inside from outside. On the surface of a solid the winding
-/// number is 1/2, the mean of 1 and 0. On a wall within, both sides are inside, and on a scrap that
-/// floats around, both are outside.
-std::vector<bool> patches_that_separate_nothing(std::span<const Vec3f> positions,
-                                                const OrientedTriangles& surface) {
-    std::vector<bool> result(surface.patches, false);
-    const WindingTree winding(positions, surface.triangles);
-    std::vector<std::uint32_t> begin(surface.patches + 1, 0), members(surface.triangles.size());
-    for (std::uint32_t p : surface.patch) ++begin[p + 1];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (std::uint32_t t = 0; t < surface.patch.size(); ++t) members[next[surface.patch[t]]++] = t;
-    for (std::uint32_t p = 0; p < surface.patches; ++p) {
-        const std::uint32_t size = begin[p + 1] - begin[p],
-                            samples = std::min(size, constants::wall_samples);
-        double all = 0, separates = 0;
-        for (std::uint32_t i = 0; i < samples; ++i) {
-            const std::uint32_t t = members[begin[p] + static_cast<std::uint32_t>(std::uint64_t{i} *
-                                                                                  size / samples)];
-            const Triangle& triangle = surface.triangles[t];
-            const double area = area_of(positions, triangle);
-            all += area;
-            if (std::fabs(winding.at(middle_of(positions, triangle), t) - 0.5) <
-                constants::surface_winding)
-                separates += area;
-        }
-        result[p] = !(separates > (1 - constants::wall_share) * all);
-    }
-    return result;
-}
-
-OrientedTriangles without_patches(const OrientedTriangles& surface, const std::vector<bool>& out) {
+/// Leaves out patches that separate nothing.
+OrientedTriangles without_walls(std::span<const Vec3f> positions,
+                                const OrientedTriangles& surface) {
+    const std::vector<bool> separates = separating_patches(positions, surface);
     OrientedTriangles rest;
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
-        if (out[surface.patch[t]]) continue;
+        if (!separates[surface.patch[t]]) continue;
         rest.triangles.push_back(surface.triangles[t]);
         rest.given.push_back(surface.given[t]);
         rest.turned.push_back(surface.turned[t]);
@@ -72,39 +34,12 @@ OrientedTriangles without_patches(const OrientedTriangles& surface, const std::v
     return rest;
 }
 
-double volume_of(std::span<const Vec3f> positions, const Triangle& t, Vec3d origin) {
-    const Vec3d a = to_double(positions[t.vertex[0]]) - origin,
-                b = to_double(positions[t.vertex[1]]) - origin,
-                c = to_double(positions[t.vertex[2]]) - origin;
-    return dot(a, cross(b, c)) / 6;
-}
-
-/// Turns parts with a negative volume, unless they lie in others, as the walls of cavities do.
-void turn_inside_out_parts(std::span<const Vec3f> positions, OrientedTriangles& surface) {
-    const ConnectedParts connected = connected_parts(surface.triangles, positions.size());
-    std::vector<std::vector<std::uint32_t>> parts(connected.count);
-    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
-        parts[connected.part[t]].push_back(t);
-    std::vector<std::uint32_t> turned;
-    std::optional<WindingTree> winding;
-    for (const std::vector<std::uint32_t>& part : parts) {
-        Vec3d middle;
-        for (std::uint32_t t : part) middle += middle_of(positions, surface.triangles[t]);
-        middle = (1 / static_cast<double>(part.size())) * middle;
-        double volume = 0;
-        for (std::uint32_t t : part) volume += volume_of(positions, surface.triangles[t], middle);
-        if (!(volume < 0)) continue;
-        if (parts.size() > 1) {
-            if (!winding) winding.emplace(positions, surface.triangles);
-            // On a part that faces inward, the part itself counts as -1/2.
-            const double others = 0.5 +
-                                  winding->at(middle_of(positions, surface.triangles[part[0]]),
-                                              part[0]);
-            if (std::fabs(others) > 0.5) continue;
-        }
-        turned.insert(turned.end(), part.begin(), part.end());
-    }
-    for (std::uint32_t t : turned) {
+/// Turns parts that face inward.
+void turn_inward_parts(std::span<const Vec3f> positions, OrientedTriangles& surface) {
+    const ConnectedParts parts = connected_parts(surface.triangles, positions.size());
+    const std::vector<bool> faces_inward = inward_parts(positions, surface.triangles, parts);
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+        if (!faces_inward[parts.part[t]]) continue;
         std::swap(surface.triangles[t].vertex[1], surface.triangles[t].vertex[2]);
         surface.turned[t] = !surface.turned[t];
     }
@@ -113,6 +48,7 @@ void turn_inside_out_parts(std::span<const Vec3f> positions, OrientedTriangles& 
 /// What the caps of a surface add to it.
 struct CapSums {
     std::size_t triangles = 0;
+    std::size_t of_holes = 0;  ///< triangles of caps that close no gap
     double area = 0;
     double largest = 0;  ///< area of a cap with many edges
 };
@@ -121,6 +57,7 @@ CapSums sums_of(const std::vector<Cap>& caps) {
     CapSums sums;
     for (const Cap& cap : caps) {
         sums.triangles += cap.triangles.size();
+        if (!cap.is_gap) sums.of_holes += cap.triangles.size();
         sums.area += cap.area;
         if (cap.border_edges > constants::small_cap_edges)
             sums.largest = std::max(sums.largest, cap.area);
@@ -131,7 +68,7 @@ CapSums sums_of(const std::vector<Cap>& caps) {
 /// True if the holes are a defect of the mesh, and not openings that it is meant to have.
 bool is_nearly_closed(const CapSums& caps, double area, std::size_t triangles) {
     return caps.area <= constants::caps_of_area * area &&
-           static_cast<double>(caps.triangles) <=
+           static_cast<double>(caps.of_holes) <=
                constants::caps_of_triangles * static_cast<double>(triangles) &&
            caps.largest <= constants::small_cap * area;
 }
@@ -165,7 +102,7 @@ Draft draft_of(const MeshData& mesh) {
     for (Triangle& t : joined)
         for (std::uint32_t& v : t.vertex) v = first[v];
     draft.surface = oriented_triangles(mesh.positions, joined);
-    turn_inside_out_parts(mesh.positions, draft.surface);
+    turn_inward_parts(mesh.positions, draft.surface);
     measure(mesh, draft);
     return draft;
 }
@@ -203,8 +140,7 @@ bool becomes_solid(const MeshData& mesh, Inside rule, Draft& draft) {
     };
     if (!has_small_caps()) return false;
     if (draft.surface.patches > 1) {
-        draft.surface = without_patches(
-            draft.surface, patches_that_separate_nothing(mesh.positions, draft.surface));
+        draft.surface = without_walls(mesh.positions, draft.surface);
         measure(mesh, draft);
     }
     return has_small_caps() &&
@@ -235,10 +171,12 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
         surface.inside.rule = Inside::closed;
     if (!surface.inside.exists() || rule == Inside::closed) return surface;
     const bool is_given = surface.inside.rule != Inside::winding;
-    surface.covered = covered_triangles(mesh.positions,
-                                        is_given ? mesh.triangles : surface.triangles, workers);
     // Of the surface by the winding number, walls have been left out.
-    if (is_given) cover_walls(mesh.positions, mesh.triangles, sides, surface.covered);
+    const std::vector<Twins> twins = is_given ? twins_of(mesh.triangles, sides)
+                                              : std::vector<Twins>();
+    surface.covered = covered_triangles(
+        mesh.positions, is_given ? mesh.triangles : surface.triangles, twins, workers);
+    if (is_given) cover_walls(mesh.positions, mesh.triangles, twins, surface.covered);
     surface.inside.covered_triangles = count_covered(surface.covered);
     return surface;
 }

@@ -36,31 +36,50 @@ PartsInBoxes parts_in_boxes(std::span<const Triangle> triangles, std::size_t ver
     return result;
 }
 
-/// Says of triangles near other parts whether those parts cover them.
+/// [length] How far from a surface something else must be to be seen on one side of it: beyond the
+/// rounding of positions, and where things touch.
+double off_surface(std::span<const Box> boxes) {
+    Box box;
+    for (const Box& b : boxes) {
+        box.extend(b.lower);
+        box.extend(b.upper);
+    }
+    return 2 * constants::touch_tolerance * box.extent() +
+           2 * constants::float_ulp * std::max(length(box.lower), length(box.upper));
+}
+
+/// Says of triangles near other parts whether those parts cover them: whether they are around the
+/// triangle's outer side. What lies flush with the triangle, and faces the same way, is not.
 class CoverSearch {
 public:
     CoverSearch(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
-                const std::vector<Box>& boxes, const PartsInBoxes& parts)
+                const std::vector<Box>& boxes, const PartsInBoxes& parts,
+                std::span<const Twins> twins)
         : positions_(positions),
           triangles_(triangles),
           boxes_(boxes),
           parts_(parts),
+          off_(off_surface(boxes)),
           tree_(boxes),
-          winding_(positions, triangles) {}
+          winding_(positions, triangles),
+          has_twin_(triangles.size(), false) {
+        for (const auto& [one, other] : twins) has_twin_[one] = has_twin_[other] = true;
+    }
 
     Cover cover_of(std::uint32_t t) const {
         const Corners own = corners(t);
         if (is_degenerate(own[0], own[1], own[2])) return Cover::none;
+        const Corners outside = over(own);
         bool crosses = false;
-        tree_.for_each_in(boxes_[t], [&](std::uint32_t other) {
-            crosses = crosses || (parts_.part[other] != parts_.part[t] &&
-                                  triangles_cross(own, corners(other)));
+        tree_.for_each_in(boxes_[t].inflated(off_), [&](std::uint32_t other) {
+            crosses = crosses || (parts_.part[other] != parts_.part[t] && !has_twin_[other] &&
+                                  triangles_cross(outside, corners(other)));
         });
         if (crosses) return Cover::partly;
-        const int inside = is_inside(t, own, 1.0 / 3, 1.0 / 3) +
-                           is_inside(t, own, near_corner, near_others) +
-                           is_inside(t, own, near_others, near_corner) +
-                           is_inside(t, own, near_others, near_others);
+        const int inside = is_inside(outside, 1.0 / 3, 1.0 / 3) +
+                           is_inside(outside, near_corner, near_others) +
+                           is_inside(outside, near_others, near_corner) +
+                           is_inside(outside, near_others, near_others);
         return inside == 4 ? Cover::wholly : inside > 0 ? Cover::partly : Cover::none;
     }
 
@@ -69,18 +88,31 @@ private:
         return corners_of({positions_.data(), static_cast<std::uint32_t>(positions_.size())},
                           triangles_[t]);
     }
-    /// On the surface of a solid the winding number is 1/2, the mean of both sides.
-    bool is_inside(std::uint32_t t, const Corners& c, double weight, double next) const {
+    /// A triangle that is a little outside of this one, and smaller: its sides touch no neighbours.
+    Corners over(const Corners& c) const {
+        const Vec3d middle = (1.0 / 3) * (c[0] + c[1] + c[2]),
+                    up = off_ * normalized(cross(c[1] - c[0], c[2] - c[0]));
+        Corners result;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec3d inward = middle - c[k];
+            const double away = length(inward);
+            result[k] = c[k] + std::min(2 * off_ / away, 0.5) * inward + up;
+        }
+        return result;
+    }
+    bool is_inside(const Corners& c, double weight, double next) const {
         const Vec3d p = weight * c[0] + next * c[1] + (1 - weight - next) * c[2];
-        return winding_.at(p, t) > 0.5 + constants::surface_winding;
+        return winding_.at(p) > 0.5;
     }
 
     std::span<const Vec3f> positions_;
     std::span<const Triangle> triangles_;
     const std::vector<Box>& boxes_;
     const PartsInBoxes& parts_;
+    double off_;  ///< [length]
     BoxTree tree_;
     WindingTree winding_;
+    std::vector<bool> has_twin_;
 };
 
 }  // namespace
@@ -91,7 +123,8 @@ std::uint32_t count_covered(std::span<const Cover> covered) {
 }
 
 std::vector<Cover> covered_triangles(std::span<const Vec3f> positions,
-                                     std::span<const Triangle> triangles, Workers& workers) {
+                                     std::span<const Triangle> triangles,
+                                     std::span<const Twins> twins, Workers& workers) {
     std::vector<Box> boxes(triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::uint32_t v : triangles[t].vertex) boxes[t].extend(to_double(positions[v]));
@@ -108,7 +141,7 @@ std::vector<Cover> covered_triangles(std::span<const Vec3f> positions,
     }
     if (near.empty()) return {};
 
-    const CoverSearch search(positions, triangles, boxes, parts);
+    const CoverSearch search(positions, triangles, boxes, parts, twins);
     std::vector<Cover> covered(triangles.size(), Cover::none);
     workers.share_out("parts", static_cast<std::uint32_t>(near.size()), triangles_at_once,
                       [&](std::uint32_t begin, std::uint32_t end) {

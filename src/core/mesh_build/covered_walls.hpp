@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/half_edges.hpp"
@@ -9,11 +11,15 @@
 
 namespace pierce {
 
-/// Marks the walls within a closed surface as covered wholly: triangles between the same three
-/// vertices, one of which faces one way for every one that faces the other, with the inside on both
-/// sides. `sides`: of `triangles`; `covered`: per triangle, or empty, and then it is filled if
-/// there are such walls.
+/// Two triangles between the same vertices that face each other: together they separate nothing.
+using Twins = std::pair<std::uint32_t, std::uint32_t>;
+
+/// The twins of a surface; each triangle has one at most. `sides`: of its triangles.
+std::vector<Twins> twins_of(std::span<const Triangle> triangles, const HalfEdges& sides);
+
+/// Marks the walls within a closed surface as covered wholly: twins with the inside on both sides.
+/// `covered`: per triangle, or empty, and then it is filled if there are such walls.
 void cover_walls(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
-                 const HalfEdges& sides, std::vector<Cover>& covered);
+                 std::span<const Twins> twins, std::vector<Cover>& covered);
 
 }  // namespace pierce

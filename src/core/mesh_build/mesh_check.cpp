@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/workers.hpp"
@@ -17,6 +16,7 @@
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/connected_parts.hpp"
+#include "core/mesh_build/inward_parts.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
 #include "core/mesh_build/winding_tree.hpp"
@@ -201,47 +201,20 @@ void check_vertices(const MeshData& mesh, bool closed, Connections& connections,
     }
 }
 
-/// Triangles connected by vertices.
-struct Component {
-    std::vector<std::uint32_t> triangles;
-    Box box;
-    double volume = 0;  ///< signed
-    bool closed = true;
-};
-
-std::vector<Component> components_of(const MeshData& mesh, const Connections& connections,
-                                     Vec3d origin) {
-    const ConnectedParts parts = connected_parts(mesh.triangles, mesh.positions.size());
-    std::vector<Component> components(parts.count);
+/// Notes closed components that face inward. Returns how many components there are.
+std::uint32_t check_components(const Part& part, const Connections& connections,
+                               Findings& findings) {
+    const MeshData& mesh = part.mesh;
+    const ConnectedParts components = connected_parts(mesh.triangles, mesh.positions.size());
+    std::vector<bool> faces_inward = inward_parts(mesh.positions, mesh.triangles, components);
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+        if (connections.on_open_edge[t]) faces_inward[components.part[t]] = false;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        Component& component = components[parts.part[t]];
-        const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[t]);
-        component.triangles.push_back(t);
-        for (Vec3d p : c) component.box.extend(p);
-        component.volume += dot(c[0] - origin, cross(c[1] - origin, c[2] - origin)) / 6;
-        component.closed = component.closed && !connections.on_open_edge[t];
+        if (!faces_inward[components.part[t]]) continue;
+        findings.add(MeshDefect::inside_out, {part.ids[t]});
+        faces_inward[components.part[t]] = false;
     }
-    return components;
-}
-
-/// How often a component winds around `p`.
-double winding_number(const MeshData& mesh, const Component& component, Vec3d p) {
-    double sum = 0;
-    for (std::uint32_t t : component.triangles)
-        sum += solid_angle(mesh.positions, mesh.triangles[t], p);
-    return sum / (4 * std::numbers::pi);
-}
-
-/// True if the component lies inside others, as the wall of a cavity does.
-bool is_inside_others(const MeshData& mesh, const std::vector<Component>& components,
-                      const Component& component) {
-    const Corners c = corners_of(view_of(mesh.positions), mesh.triangles[component.triangles[0]]);
-    const Vec3d p = (1.0 / 3) * (c[0] + c[1] + c[2]);
-    double winding = 0;
-    for (const Component& other : components)
-        if (&other != &component && other.closed && other.box.distance(p) == 0)
-            winding += winding_number(mesh, other, p);
-    return std::lround(winding) > 0;
+    return components.count;
 }
 
 }  // namespace
@@ -278,12 +251,7 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
                             .inside;
     }
     check_vertices(part.mesh, report.closed, connections, findings);
-    const std::vector<Component> components = components_of(part.mesh, connections,
-                                                            report.box.center());
-    report.components = static_cast<std::uint32_t>(components.size());
-    for (const Component& c : components)
-        if (c.closed && c.volume < 0 && !is_inside_others(part.mesh, components, c))
-            findings.add(MeshDefect::inside_out, {part.ids[c.triangles[0]]});
+    report.components = check_components(part, connections, findings);
     if (options.self_intersections)
         for (const auto& [t, other] : self_intersections(part.mesh))
             findings.add(MeshDefect::self_intersection, {part.ids[t], part.ids[other]});

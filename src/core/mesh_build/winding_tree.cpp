@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <numbers>
 
 #include "core/mesh_build/spatial_order.hpp"
@@ -46,21 +45,6 @@ void WindingTree::build(std::uint32_t begin, std::uint32_t end) {
     nodes_[place].skip = static_cast<std::uint32_t>(nodes_.size());
 }
 
-double solid_angle(std::span<const Vec3f> positions, const Triangle& triangle, Vec3d p) {
-    Vec3d c[3];
-    double reach[3];
-    for (int k = 0; k < 3; ++k) {
-        c[k] = to_double(positions[triangle.vertex[k]]) - p;
-        reach[k] = length(c[k]);
-    }
-    const double lengths = reach[0] * reach[1] * reach[2];
-    const double volume = dot(c[0], cross(c[1], c[2]));
-    if (std::fabs(volume) <= constants::coplanar_tolerance * lengths) return 0;
-    const double scale = lengths + dot(c[0], c[1]) * reach[2] + dot(c[1], c[2]) * reach[0] +
-                         dot(c[2], c[0]) * reach[1];
-    return 2 * std::atan2(volume, scale);
-}
-
 double WindingTree::at(Vec3d p, std::uint32_t left_out) const {
     double sum = 0;
     for (std::size_t n = 0; n < nodes_.size();) {
@@ -74,7 +58,7 @@ double WindingTree::at(Vec3d p, std::uint32_t left_out) const {
         }
         if (node.skip == n + 1)
             for (std::uint32_t i = node.begin; i < node.end; ++i)
-                if (order_[i] != left_out) sum += solid_angle(positions_, triangles_[order_[i]], p);
+                if (order_[i] != left_out) sum += angle_of(order_[i], p);
         ++n;
     }
     return sum / (4 * std::numbers::pi);
@@ -83,7 +67,7 @@ double WindingTree::at(Vec3d p, std::uint32_t left_out) const {
 double WindingTree::exactly_at(Vec3d p, std::uint32_t left_out) const {
     double sum = 0;
     for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-        if (t != left_out) sum += solid_angle(positions_, triangles_[t], p);
+        if (t != left_out) sum += angle_of(t, p);
     return sum / (4 * std::numbers::pi);
 }
 

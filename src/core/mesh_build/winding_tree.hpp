@@ -4,14 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/solid_angle.hpp"
 #include "pierce/ids.hpp"
 #include "pierce/mesh.hpp"
 
 namespace pierce {
-
-/// The solid angle under which `p` sees a triangle (van Oosterom and Strackee 1983); positive from
-/// behind. Zero if the triangle lies in one plane with `p`.
-double solid_angle(std::span<const Vec3f> positions, const Triangle& triangle, Vec3d p);
 
 /// The generalized winding number of a surface around points: the sum of the solid angles of its
 /// triangles / 4 pi (Jacobson, Kavan and Sorkine-Hornung 2013). It is 1 inside a closed surface
@@ -41,6 +38,10 @@ private:
     void build(std::uint32_t begin, std::uint32_t end);
     Vec3d corner(std::uint32_t triangle, int k) const {
         return to_double(positions_[triangles_[triangle].vertex[k]]);
+    }
+    double angle_of(std::uint32_t triangle, Vec3d p) const {
+        return solid_angle(corner(triangle, 0) - p, corner(triangle, 1) - p,
+                           corner(triangle, 2) - p);
     }
 
     std::span<const Vec3f> positions_;

@@ -5,8 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
+#include "core/geometry/solid_angle.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/used_vertices.hpp"
@@ -78,9 +80,22 @@ std::vector<Vec3d> face_normals(const PlacedSurface& surface, const HalfEdges& s
     return normals;
 }
 
+/// True if a closed surface winds once around the mean of some points.
+bool winds_once(const PlacedSurface& surface, const std::vector<Vec3d>& points) {
+    Vec3d middle;
+    for (const Vec3d p : points) middle += p;
+    middle = (1 / static_cast<double>(points.size())) * middle;
+    double angle = 0;
+    for (const Triangle& t : surface.triangles) {
+        const auto corner = [&](int k) { return surface.points[t.vertex[k]] - middle; };
+        angle += solid_angle(corner(0), corner(1), corner(2));
+    }
+    return std::lround(angle / (4 * std::numbers::pi)) == 1;
+}
+
 /// Nothing if the surface is open, or not convex by more than the rounding of its positions.
-/// A closed surface is convex if it is at each edge, and in one piece: then it has two vertices and
-/// faces more than edges (Euler).
+/// A closed surface is convex if it is at each edge, in one piece, so that it has two vertices and
+/// faces more than edges (Euler), and winds around its inside once, which a star may not.
 std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     const auto& [points, triangles] = surface;
     ConvexSurface convex;
@@ -118,7 +133,9 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
             convex.edges.push_back(
                 {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
     });
-    if (!is_convex || convex.points.size() + triangles.size() != edges + 2) return std::nullopt;
+    if (!is_convex || convex.points.size() + triangles.size() != edges + 2 ||
+        !winds_once(surface, convex.points))
+        return std::nullopt;
     const auto less = [](Vec3d a, Vec3d b) {
         return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };

@@ -68,7 +68,7 @@ public:
     void step(const Scene& scene, StepStats& stats) {
         StageTimer stage(executor_, *scene.plan, stats);
         const Plan& plan = *scene.plan;
-        recall(scene);
+        recall(plan);
         forget();
 
         // Sheets place all bodies while pairs are looked for. They do not if there are solids, too:
@@ -170,11 +170,10 @@ public:
     }
 
     /// Makes this step's records those of the last step.
-    void recall(const Scene& scene) {
+    void recall(const Plan& plan) {
         std::swap(now_, last_);
-        by_world_ = scene.world_begins.size > 0;
         // Contacts stay in `now_`, unless the next step may take some over.
-        if (!scene.plan->settings.keeps_contacts()) {
+        if (!plan.settings.keeps_contacts()) {
             std::swap(now_.contacts, last_.contacts);
             std::swap(now_.kept, last_.kept);
         }
@@ -185,7 +184,6 @@ public:
     /// What the last step has left for the next one.
     StepMemory memory() const {
         StepMemory m;
-        m.by_world = by_world_;
         now_.save(executor_, m);
         sheets_.save(m);
         return m;
@@ -193,7 +191,6 @@ public:
     /// Makes `m` the last step's memory.
     void restore(const StepMemory& m) {
         now_.leave_contacts();
-        by_world_ = m.by_world;
         now_.restore(executor_, m);
         edges_.forget();
         sheets_.restore(m);
@@ -218,6 +215,7 @@ public:
             return {};
         const auto place = static_cast<std::uint32_t>(
             std::find(order.begin(), order.end(), vertex) - order.begin());
+        if (place == order.size) return {};
         const std::uint32_t patch = place / constants::patch_size;
         const RecordsView records = now_.of_vertices();
         const auto until = [&](Certificate::Kind kind, float expiry) {
@@ -324,10 +322,14 @@ private:
     // pair was.
     void pairs(const Scene& scene) {
         const std::uint32_t bodies = scene.bodies.size;
+        now_.by_world = scene.world_begins.size > 0;
+        const bool are_comparable = now_.by_world == last_.by_world;
         const stages::LinkPair link{.bodies = scene.bodies,
                                     .ids = scene.ids,
-                                    .as_keys = {by_world_},
-                                    .last_keys = view_of(last_.pair_keys),
+                                    .as_keys = {now_.by_world},
+                                    .last_keys = are_comparable
+                                                     ? view_of(std::as_const(last_.pair_keys))
+                                                     : View<const std::uint64_t>{},
                                     .last = view_of(last_.identities)};
         const stages::WantedPairs wanted{.bodies = scene.bodies,
                                          .ids = scene.ids,
@@ -763,7 +765,6 @@ private:
     Sheets<E, T> sheets_;
 
     StepRecords<E> now_, last_;
-    bool by_world_ = false;  ///< how now_.pair_keys are written
     BoundsLists<E> bounds_;
     PairLists<E> pairs_;
     CullLists<E> cull_;

@@ -27,6 +27,7 @@ struct StepRecords {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
+    bool by_world = false;  ///< how pair_keys are written (PairKeys)
     Buffer<std::uint64_t> pair_keys;
     Buffer<PairIdentity> identities;
     Buffer<SeenBody> bodies;
@@ -73,6 +74,7 @@ struct StepRecords {
     }
 
     void save(const E& executor, StepMemory& m) const {
+        m.by_world = by_world;
         m.pair_keys = executor.download(pair_keys);
         m.identities = executor.download(identities);
         m.bodies = executor.download(bodies);
@@ -89,6 +91,7 @@ struct StepRecords {
         const auto take = [&]<class Item>(const std::vector<Item>& from, Buffer<Item>& to) {
             executor.upload(std::span<const Item>(from), to);
         };
+        by_world = m.by_world;
         take(m.pair_keys, pair_keys);
         take(m.identities, identities);
         take(m.bodies, bodies);

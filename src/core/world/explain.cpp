@@ -216,11 +216,14 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
                                      .excluded = view_of(std::as_const(state_->excluded_pairs)),
                                      .filter = state_->asked_filter()};
     const Pair pair{std::min(body.index, other.index), std::max(body.index, other.index)};
-    if (!wanted.allows(pair) || !wanted.wants(pair)) {
-        Explanation filtered;
-        filtered.reason = Reason::filtered;
-        return filtered;
-    }
+    const auto because = [](Reason reason) {
+        Explanation explanation;
+        explanation.reason = reason;
+        return explanation;
+    };
+    if (!wanted.allows(pair) || !wanted.wants(pair)) return because(Reason::filtered);
+    if (!has_triangles(views[body.index].mesh, vertex))
+        return because(Reason::no_triangle_names_it);
     const std::vector<Contact> found = of_vertex(
         contacts_of(contacts(), views, pair, sheet || !state_->worlds.empty()), body, other,
         vertex);
@@ -379,6 +382,9 @@ std::string Explanation::text() const {
             s = "No contact: the other surface is " + number(distance) + " away, at triangle " +
                 std::to_string(triangle) +
                 ", but the vertex is over none of its triangles: an edge or a corner is close.";
+            break;
+        case Reason::no_triangle_names_it:
+            s = "No contact: the vertex is a corner of no triangle, so it is no part of its body.";
             break;
         case Reason::not_looked_at:
             s = "No contact in this step: the vertex is inside, but is not looked at before the "

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/used_vertices.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/overlap/face_parts.hpp"
 #include "core/overlap/first_meeting.hpp"
@@ -97,14 +98,15 @@ public:
         MovingSurface& surface = known.emplace(MovingSurface{{}, mesh.triangles()});
         if (of.motion == Motion::deforming) {
             const std::span<const Vec3f> starts = start_of(of);
-            for (std::size_t v = 0; v < starts.size(); ++v)
+            for (const std::uint32_t v : stand_ins(mesh.triangles(), starts.size()))
                 surface.points.push_back({to_double(starts[v]), to_double(of.positions[v])});
             return surface;
         }
         const Way way = way_of(bodies_[k]);
-        for (Vec3f p : mesh.positions())
-            surface.points.push_back(
-                {way.start.to_parent(to_double(p)), way.end.to_parent(to_double(p))});
+        for (const std::uint32_t v : stand_ins(mesh.triangles(), mesh.positions().size())) {
+            const Vec3d p = to_double(mesh.positions()[v]);
+            surface.points.push_back({way.start.to_parent(p), way.end.to_parent(p)});
+        }
         return surface;
     }
 

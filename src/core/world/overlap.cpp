@@ -1,5 +1,6 @@
 #include "pierce/overlap.hpp"
 
+#include "core/mesh/used_vertices.hpp"
 #include "core/overlap/patches.hpp"
 #include "core/world/world_state.hpp"
 #include "pierce/error.hpp"
@@ -47,7 +48,7 @@ std::optional<Overlap> World::overlap(BodyId a, BodyId b, double same_direction)
                              "' has no inside");
         std::vector<Vec3d> result;
         const Frame frame = frame_of(body.pose);
-        for (std::size_t v = 0; v < mesh.positions().size(); ++v)
+        for (const std::uint32_t v : stand_ins(mesh.triangles(), mesh.positions().size()))
             result.push_back(body.motion == Motion::deforming
                                  ? to_double(body.positions[v])
                                  : frame.to_parent(to_double(mesh.positions()[v])));

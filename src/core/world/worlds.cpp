@@ -134,23 +134,36 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
         if (is_here(p.a) || is_here(p.b)) within.push_back(p);
     }
     s.change();
-    for (std::uint32_t k = 0; k < count; ++k) {
-        s.left_out.erase(static_cast<std::int32_t>(first + k));
-        std::vector<BodyId> made;
+    std::vector<BodyId> made;
+    made.reserve(count * originals.size());
+    const auto make = [&](std::int32_t its_world) {
+        const std::size_t begin = made.size();
         for (const BodyEntry& copy : copies) {
             BodyEntry body = copy;
-            body.filter.world = static_cast<std::int32_t>(first + k);
+            body.filter.world = its_world;
             if (body.motion == Motion::deforming) body.positions_version = s.next_key++;
             made.push_back(s.bodies.add(std::move(body)));
         }
         const auto copy_in_world = [&](BodyId id) {
             const auto at = std::ranges::find(originals, id);
-            return at == originals.end() ? id
-                                         : made[static_cast<std::size_t>(at - originals.begin())];
+            return at == originals.end()
+                       ? id
+                       : made[begin + static_cast<std::size_t>(at - originals.begin())];
         };
         for (const BodyIdPair& p : within)
             s.excluded.insert({copy_in_world(p.a), copy_in_world(p.b)});
+    };
+    try {
+        for (std::uint32_t k = 0; k < count; ++k) make(static_cast<std::int32_t>(first + k));
+    } catch (...) {
+        const auto is_made = [&](BodyId id) { return std::ranges::count(made, id) > 0; };
+        std::erase_if(s.excluded,
+                      [&](const BodyIdPair& p) { return is_made(p.a) || is_made(p.b); });
+        for (const BodyId id : made) s.bodies.take(id, "body");
+        throw;
     }
+    for (std::uint32_t k = 0; k < count; ++k)
+        s.left_out.erase(static_cast<std::int32_t>(first + k));
     return static_cast<std::int32_t>(first);
 }
 

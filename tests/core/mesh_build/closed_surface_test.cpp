@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -87,6 +88,147 @@ TEST(ClosedSurfaceTest, BoxWithAMissingOrATurnedTriangle) {
         EXPECT_EQ(how.cap_triangles, 0u);
         expect_same_inside(turned, box, 0, "with triangle " + std::to_string(t) + " turned");
     }
+}
+
+/// With the triangles in another order, one of them first.
+MeshData in_order(MeshData mesh, std::size_t first) {
+    std::ranges::rotate(mesh.triangles,
+                        mesh.triangles.begin() + static_cast<std::ptrdiff_t>(first));
+    return mesh;
+}
+
+MeshData inside_out(MeshData mesh) {
+    for (Triangle& t : mesh.triangles) std::swap(t.vertex[1], t.vertex[2]);
+    return mesh;
+}
+
+TEST(ClosedSurfaceTest, WhichWayPartsFaceDoesNotDependOnTheirOrder) {
+    const MeshData a = scenes::box({0, 0, 0}, {1, 1, 1}),
+                   b = scenes::box({0.9f, 0.1f, 0.1f}, {2, 0.9f, 0.9f});
+    const MeshData whole = scenes::joined(a, b);
+    for (const bool both : {false, true})
+        for (std::size_t first = 0; first < b.triangles.size(); ++first)
+            for (const std::size_t missing : {3u, 8u}) {
+                MeshData mesh = scenes::joined(both ? inside_out(a) : a,
+                                               in_order(inside_out(b), first));
+                mesh.triangles.erase(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(missing));
+                const auto [closed, inside] = solid(mesh);
+                EXPECT_EQ(inside.rule, Inside::winding);
+                EXPECT_EQ(inside.turned_triangles, both ? 23u : 12u);
+                expect_same_inside(closed, whole, 0, std::to_string(first));
+            }
+}
+
+TEST(ClosedSurfaceTest, CavitiesStayCavitiesWhereAllIsInsideOut) {
+    const MeshData ball = scenes::sphere(1, 2),
+                   hollow = scenes::joined(ball, inside_out(scenes::sphere(0.5, 1)));
+    for (const bool turned : {false, true}) {
+        MeshData mesh = turned ? inside_out(hollow) : hollow;
+        mesh.triangles.erase(mesh.triangles.begin() + 7);
+        const auto [closed, inside] = solid(mesh);
+        EXPECT_EQ(inside.turned_triangles, turned ? mesh.triangles.size() : 0u);
+        EXPECT_EQ(inside.left_out_triangles, 0u);
+        expect_same_inside(closed, hollow, 0.01, turned ? "turned" : "as it is");
+    }
+}
+
+/// A box whose sides have vertices of their own and `n` by `n` squares, and stand apart from each
+/// other by `gap`.
+MeshData box_of_sides(std::uint32_t n, double gap, const std::vector<int>& apart) {
+    MeshData mesh;
+    for (int side = 0; side < 6; ++side) {
+        MeshData grid = scenes::grid(1, 1, n + 1, n + 1);
+        Box box;
+        for (Vec3f p : grid.positions) box.extend(to_double(p));
+        int flat = 0;
+        while (box.upper[flat] - box.lower[flat] > 0) ++flat;
+        const int axis = side / 2, sign = side % 2 == 0 ? -1 : 1;
+        const bool is_apart = std::ranges::find(apart, side) != apart.end();
+        for (Vec3f& p : grid.positions) {
+            const Vec3d from = to_double(p) - box.center();
+            Vec3d to;
+            to[axis] = sign * (0.5 + (is_apart ? gap : 0.0));
+            to[(axis + 1) % 3] = from[(flat + 1) % 3];
+            to[(axis + 2) % 3] = from[(flat + 2) % 3];
+            p = to_float(to);
+        }
+        const Triangle& t = grid.triangles[0];
+        const auto at = [&](int k) { return to_double(grid.positions[t.vertex[k]]); };
+        if (cross(at(1) - at(0), at(2) - at(0))[axis] * sign < 0) grid = inside_out(grid);
+        mesh = scenes::joined(mesh, grid);
+    }
+    return mesh;
+}
+
+TEST(ClosedSurfaceTest, GapsBetweenSidesAreSewnUp) {
+    const MeshData whole = scenes::box({-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f});
+    for (const std::uint32_t n : {1u, 4u, 9u})
+        for (const double gap : {1e-7, 1e-4, 5e-3})
+            for (const std::vector<int>& apart :
+                 {std::vector{5}, {4, 5}, {3, 5}, {1, 3, 5}, {0, 1, 2, 3, 4, 5}}) {
+                const std::string what = std::to_string(n) + " " + std::to_string(gap) + " " +
+                                         std::to_string(apart.size());
+                const auto [closed, inside] = solid(box_of_sides(n, gap, apart));
+                EXPECT_EQ(inside.rule, Inside::winding) << what;
+                EXPECT_LT(inside.cap_share, 0.02) << what;
+                expect_same_inside(closed, whole, 0.02, what);
+            }
+}
+
+/// A box with walls across its middle, each of which meets the others and the sides.
+MeshData box_with_walls(int walls) {
+    MeshData mesh;
+    for (int x = -1; x <= 1; ++x)
+        for (int y = -1; y <= 1; ++y)
+            for (int z = -1; z <= 1; ++z)
+                mesh.positions.push_back(
+                    {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)});
+    const auto at = [](const int(&p)[3]) {
+        return static_cast<std::uint32_t>(9 * (p[0] + 1) + 3 * (p[1] + 1) + p[2] + 1);
+    };
+    for (int axis = 0; axis < 3; ++axis)
+        for (int level = -1; level <= 1; ++level)
+            for (int i = -1; i < 1 && (level != 0 || axis < walls); ++i)
+                for (int j = -1; j < 1; ++j) {
+                    int p[4][3];
+                    for (int k = 0; k < 4; ++k) {
+                        p[k][axis] = level;
+                        p[k][(axis + 1) % 3] = i + (k == 1 || k == 2);
+                        p[k][(axis + 2) % 3] = j + (k >= 2);
+                    }
+                    Triangle one{{at(p[0]), at(p[1]), at(p[2])}},
+                        other{{at(p[0]), at(p[2]), at(p[3])}};
+                    if (level < 0)
+                        for (Triangle* t : {&one, &other}) std::swap(t->vertex[1], t->vertex[2]);
+                    mesh.triangles.push_back(one);
+                    mesh.triangles.push_back(other);
+                }
+    return mesh;
+}
+
+TEST(ClosedSurfaceTest, WallsThatCrossAreLeftOut) {
+    const MeshData whole = scenes::box({-1, -1, -1}, {1, 1, 1});
+    std::mt19937 order(5);
+    for (int walls = 1; walls <= 3; ++walls)
+        for (int i = 0; i < 8; ++i) {
+            MeshData mesh = box_with_walls(walls);
+            // Which way walls face says nothing.
+            for (Triangle& t : mesh.triangles) {
+                const auto is_on = [&](int axis) {
+                    return std::ranges::all_of(
+                        t.vertex, [&](std::uint32_t v) { return mesh.positions[v][axis] == 0; });
+                };
+                if ((is_on(0) && (i & 1) != 0) || (is_on(1) && (i & 2) != 0) ||
+                    (is_on(2) && (i & 4) != 0))
+                    std::swap(t.vertex[1], t.vertex[2]);
+            }
+            std::ranges::shuffle(mesh.triangles, order);
+            const auto [closed, inside] = solid(mesh);
+            EXPECT_EQ(inside.rule, Inside::winding);
+            EXPECT_EQ(inside.left_out_triangles, 8u * static_cast<std::uint32_t>(walls));
+            EXPECT_EQ(inside.cap_triangles, 0u);
+            expect_same_inside(closed, whole, 0, std::to_string(walls) + " " + std::to_string(i));
+        }
 }
 
 TEST(ClosedSurfaceTest, OpeningsAreNoHoles) {

@@ -153,7 +153,22 @@ TEST(MeshCheckTest, ComponentsInsideOut) {
     MeshData hollow = joined(cavity, unit_box());
     EXPECT_THAT(findings_of(hollow), IsEmpty());
     turn_around(hollow);
-    EXPECT_THAT(findings_of(hollow), ElementsAre(MeshFinding{inside_out, 1, {12}}));
+    EXPECT_THAT(findings_of(hollow), ElementsAre(MeshFinding{inside_out, 2, {0, 12}}))
+        << "the wall of the cavity, too";
+
+    // A part that overlaps another one, whichever of its triangles comes first.
+    MeshData overlapping = scenes::box({0.9f, 0.1f, 0.1f}, {2, 0.9f, 0.9f});
+    turn_around(overlapping);
+    for (std::size_t first = 0; first < 12; ++first) {
+        std::ranges::rotate(overlapping.triangles, overlapping.triangles.begin() + 1);
+        EXPECT_THAT(findings_of(joined(unit_box(), overlapping)),
+                    Contains(MeshFinding{inside_out, 1, {12}}));
+    }
+
+    // The wall of a cavity stays one where the surface around it lacks a triangle.
+    MeshData cracked = joined(cavity, unit_box());
+    cracked.triangles.pop_back();
+    EXPECT_EQ(check_mesh(cracked, everything).find(inside_out), nullptr);
 }
 
 /// A box one of whose edges, 0-1, is split on one side only, and closed by a triangle without area.

@@ -338,6 +338,26 @@ TEST(OverlapTest, WhatOnlyTouchesHasNothingInCommon) {
     }
 }
 
+TEST(OverlapTest, AFarUnusedVertexMakesNothingCoarser) {
+    const auto overlap = [](float far) {
+        World world;
+        MeshData ball = scenes::sphere(1, 2);
+        if (far > 0) ball.positions.push_back({far, 0, far});
+        const BodyId a = world.add_rigid_body(world.add_mesh("ball", ball)),
+                     b = world.add_rigid_body(
+                         world.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})));
+        return *world.overlap(a, b);
+    };
+    const Overlap plain = overlap(0);
+    for (const float far : {1e3f, 1e6f}) {
+        const Overlap with = overlap(far);
+        EXPECT_EQ(with.volume, plain.volume) << far;
+        ASSERT_EQ(with.patches.size(), plain.patches.size()) << far;
+        for (std::size_t i = 0; i < plain.patches.size(); ++i)
+            EXPECT_EQ(with.patches[i].area, plain.patches[i].area) << far;
+    }
+}
+
 TEST(OverlapTest, RefusesWhatHasNoVolume) {
     World world;
     const MeshId ball = world.add_mesh("ball", scenes::sphere(1, 1)),

@@ -345,6 +345,26 @@ TEST(ImpactsTest, AnUnusedVertexIsNoPlaceOutside) {
     EXPECT_TRUE(world.impacts().empty());
 }
 
+TEST(ImpactsTest, AFarUnusedVertexDoesNotChangeWhatCounts) {
+    const auto impact = [](float far) {
+        World world;
+        MeshData floor = scenes::box({-1, -1, -1}, {1, 1, 0});
+        if (far > 0) floor.positions.push_back({0, 0, far});
+        world.add_fixed_body(world.add_mesh("floor", floor));
+        const BodyId box = world.add_rigid_body(
+            world.add_mesh("box", scenes::box({-0.25f, -0.25f, 0}, {0.25f, 0.25f, 0.5f})));
+        world.set_motion(box, {{0, 0, 0}, upright}, {{0, 0, -0.2}, upright});
+        return world.impacts();
+    };
+    const std::vector<ImpactContact> plain = impact(0);
+    ASSERT_EQ(plain.size(), 1u);
+    for (const float far : {1e3f, 1e6f}) {
+        const std::vector<ImpactContact> with = impact(far);
+        ASSERT_EQ(with.size(), 1u) << far;
+        EXPECT_EQ(with[0].time, plain[0].time) << far;
+    }
+}
+
 /// A needle whose tip touches beside the bottom of a groove, and falls.
 TEST(ImpactsTest, ATipInAGroove) {
     MeshData groove;

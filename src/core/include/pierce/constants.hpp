@@ -376,16 +376,16 @@ inline constexpr std::uint32_t winding_leaf = 8;
 inline constexpr double winding_reach = 2.0;
 
 /// A triangle of a solid's surface has a winding number within this of 1/2. A patch is left out if
-/// this share of the area of its samples, which are so many, is none.
+/// this share of the area of its samples has not. So many lines from each look for a way out.
 inline constexpr double surface_winding = 0.25, wall_share = 0.9;
-inline constexpr std::uint32_t wall_samples = 16;
+inline constexpr std::uint32_t wall_samples = 16, wall_rounds = 8, sight_lines = 32;
 
 /// Borders so near [mean edge length] are the sides of a gap if the band between them has less than
-/// this share of the area of two caps. So many neighbours in a spatial order are looked at.
-inline constexpr double gap_width = 1.0, gap_area = 0.5;
-inline constexpr std::uint32_t gap_neighbors = 16;
+/// this share of two caps' area, and vertices so near [shortest edge] are. A part of less volume
+/// [area^(3/2)] faces no way.
+inline constexpr double gap_width = 1.0, gap_area = 0.5, seam_width = 0.25, flat_part = 1e-6;
 /// A hole of so many edges gets the cap of the least area; the work grows with their cube.
-inline constexpr std::uint32_t exact_cap_edges = 128;
+inline constexpr std::uint32_t gap_neighbors = 16, exact_cap_edges = 128;
 
 /// A mesh is nearly closed up to this share of caps among its area and among its triangles, if each
 /// cap has few edges or this share of the area [1]. So a cube may lack a triangle, but not a side.

@@ -38,6 +38,8 @@ enum class Reason : std::uint8_t {
                     ///< distance at rest
     beside,  ///< the other surface is `distance` away, but there an edge or a corner is closest:
              ///< the vertex is over no triangle
+    // Of any body:
+    no_triangle_names_it,  ///< the vertex is a corner of no triangle, so it is no part of its body
 };
 
 /// A proof that a vertex stays outside, and needs no ray, until the two bodies have moved relative

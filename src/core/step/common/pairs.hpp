@@ -228,7 +228,7 @@ struct LinkPair {
     View<const BodyView> bodies;
     View<const BodyId> ids;
     PairKeys as_keys;
-    View<const std::uint64_t> last_keys;
+    View<const std::uint64_t> last_keys;  ///< written as these; else none
     View<const PairIdentity> last;
 
     /// Writes the pair of a key, its identity, and which of last step's pairs it was, if any.

@@ -1,19 +1,15 @@
 #pragma once
 
-#include <cmath>
-
 #include "core/body/body_view.hpp"
 #include "core/device/bits.hpp"
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/geometry/closest_place_on_triangle.hpp"
-#include "core/geometry/triangle.hpp"
-#include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
-#include "core/mesh/surface.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/margin/normal_at.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/join_batch.hpp"
 #include "core/step/solids/vertex_cull.hpp"
@@ -129,100 +125,6 @@ struct GenerateNearQueries {
         queries[i] = query;
     }
 };
-
-/// Of the triangles at a vertex, or at the edge between two, the normal of the one whose plane is
-/// furthest from the end of `way`. It stands for all of them where they are not one fan, or not
-/// two.
-PIERCE_HD inline Vec3d most_facing_normal(const BodyView& body, Vec3d way, std::uint32_t v,
-                                          std::uint32_t other = no_vertex) {
-    const Vec3d apex = to_double(body.positions[v]);
-    Vec3d best;
-    double most = -1;
-    for (std::uint32_t i = body.mesh.corner_offsets[v]; i < body.mesh.corner_offsets[v + 1]; ++i) {
-        const Corner& corner = body.mesh.corners[i];
-        if (other != no_vertex && corner.next != other && corner.previous != other) continue;
-        const Vec3d next = to_double(body.positions[corner.next]),
-                    previous = to_double(body.positions[corner.previous]);
-        if (is_degenerate(apex, next, previous)) continue;
-        const Vec3d normal = normalized(cross(next - apex, previous - apex));
-        const double height = std::fabs(dot(normal, way));
-        if (!(height > most)) continue;
-        most = height;
-        best = normal;
-    }
-    return best;
-}
-
-/// The triangle beside a triangle's side, or beyond those without area that lie there; no_triangle
-/// if there is none.
-PIERCE_HD inline std::uint32_t neighbor_with_area(const BodyView& body, std::uint32_t triangle,
-                                                  std::uint32_t side) {
-    const MeshView& mesh = body.mesh;
-    std::uint32_t last = triangle, next = mesh.neighbors[triangle].across[side];
-    for (std::uint32_t k = 0; k < constants::degenerate_in_a_row && next != no_triangle; ++k) {
-        const Triangle& t = mesh.triangles[next];
-        Vec3d corner[3];
-        for (int c = 0; c < 3; ++c) corner[c] = to_double(body.positions[t.vertex[c]]);
-        if (!is_degenerate(corner[0], corner[1], corner[2])) return next;
-        // Its longest side is as long as the two others together.
-        const auto squared = [&](std::uint32_t s) {
-            return length_squared(corner[(s + 1) % 3] - corner[(s + 2) % 3]);
-        };
-        std::uint32_t longest = squared(1) > squared(0) ? 1 : 0;
-        if (squared(2) > squared(longest)) longest = 2;
-        const std::uint32_t* across = mesh.neighbors[next].across;
-        const std::uint32_t out = across[longest] == last ? (longest + 1) % 3 : longest;
-        last = next;
-        next = across[out];
-    }
-    return no_triangle;
-}
-
-/// The outward normal of a surface where it is closest to the end of `way`, a point outside or
-/// inside of it: of the triangle, of its edge or of its corner. Its sign tells on which side the
-/// point is (Baerentzen and Aanaes 2005). Not of length 1.
-PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
-                                 const TrianglePlace& place, Vec3d way) {
-    const double weight[3] = {1 - place.second - place.third, place.second, place.third};
-    const MeshView& mesh = body.mesh;
-    const Triangle& t = mesh.triangles[triangle];
-    std::uint32_t zero = 3, zeros = 0, corner = 0;
-    // A weight is a difference of numbers up to one.
-    for (std::uint32_t k = 0; k < 3; ++k)
-        if (weight[k] > constants::double_rounding) {
-            corner = k;
-        } else {
-            zero = k;
-            ++zeros;
-        }
-    const std::uint32_t v = t.vertex[corner];
-    if (zeros > 0 && mesh.has_degenerate) {
-        // The triangles around may have no area, but those beyond have: as most_facing_normal().
-        Vec3d best = zeros == 2 ? most_facing_normal(body, way, v)
-                                : triangle_normal(mesh, body.positions, triangle);
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            if (weight[k] > constants::double_rounding) continue;
-            const std::uint32_t beside = neighbor_with_area(body, triangle, k);
-            if (beside == no_triangle) continue;
-            const Vec3d normal = triangle_normal(mesh, body.positions, beside);
-            if (std::fabs(dot(normal, way)) > std::fabs(dot(best, way))) best = normal;
-        }
-        return best;
-    }
-    if (zeros == 2) {
-        const bool is_one_fan = mesh.fans[mesh.corner_offsets[v]] != no_vertex;
-        const Vec3d normal = is_one_fan ? vertex_normal(mesh, body.positions, v) : Vec3d{};
-        return length_squared(normal) > 0 ? normal : most_facing_normal(body, way, v);
-    }
-    const Vec3d normal = triangle_normal(mesh, body.positions, triangle);
-    if (zeros == 0) return normal;
-    const std::uint32_t across = mesh.neighbors[triangle].across[zero];
-    const Vec3d both = across == no_triangle
-                           ? Vec3d{}
-                           : normal + triangle_normal(mesh, body.positions, across);
-    return length_squared(both) > 0 ? both
-                                    : most_facing_normal(body, way, v, t.vertex[3 - zero - corner]);
-}
 
 /// Per query: if its vertex is outside and near, the way from the closest point to the vertex, as a
 /// ray that leaves the target after a negative way.

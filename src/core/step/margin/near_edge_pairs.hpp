@@ -7,6 +7,7 @@
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/edges/near_edges.hpp"
+#include "core/step/margin/covered_ridge.hpp"
 #include "core/step/margin/edge_wedge.hpp"
 #include "core/step/margin/margin_stages.hpp"
 #include "core/step/solids/directed_pair.hpp"
@@ -116,7 +117,8 @@ struct KeepNearRidges {
         const DirectedPair& d = directed[item.directed];
         const BodyView &source = bodies[d.source], &target = bodies[d.target];
         const Edge& edge = source.mesh.edges[item.index];
-        if (!is_ridge(source, edge, d.touch)) return false;
+        if (!is_ridge(source, edge, d.touch) || cover_of(source, edge) == Cover::wholly)
+            return false;
         return target.mesh.slabs.size == 0 ||
                !(proof_of(source, target, {source, d, edge}).gap >
                  edge_margin_of(bodies, directed, item.directed) + d.touch);
@@ -236,7 +238,8 @@ struct FindEdgePairs {
 private:
     /// A ridge that looks at edges of the target.
     struct Look {
-        const BodyView& target;
+        const BodyView &source, &target;
+        const Frame& to_space;  ///< the target's, from the source's
         CullItem item;
         double margin = 0, touch = 0;  ///< [length]
         PlacedEdge placed;
@@ -269,7 +272,10 @@ private:
             const Vec3d direction = (1 / distance) * way;
             const Edge& other = target.mesh.edges[features.edge[k]];
             if (!wedge.faces(direction) || !is_ridge(target, other, touch) ||
-                !EdgeWedge(target, {}, other, touch).faces(-direction))
+                !EdgeWedge(target, {}, other, touch).faces(-direction) ||
+                is_covered(target, other, to, -direction) ||
+                is_covered(source, source.mesh.edges[item.index], to_space.to_local(from),
+                           to_space.rotation.transposed() * direction))
                 return;
             see({item.directed, item.index, features.edge[k], t, corner, 0, places.first,
                  places.second});
@@ -281,7 +287,9 @@ private:
         const BodyView& source = bodies[d.source];
         const Edge& edge = source.mesh.edges[item.ridge.index];
         const EdgeWedge wedge(source, d.to_space, edge, d.touch);
-        return {bodies[d.target],
+        return {source,
+                bodies[d.target],
+                d.to_space,
                 item.ridge,
                 edge_margin_of(bodies, directed, item.ridge.directed),
                 d.touch,

@@ -17,7 +17,8 @@
 /// outward ray, without the triangles around the vertex. If part of the solid is there, the inward
 /// ray ends where that part ends (Hermann, Faure and Raffin 2008, section 5: outward to detect,
 /// inward to respond). The sum is needed, because the first crossing of three overlapping parts may
-/// lead in.
+/// lead in. For the same reason the inward ray leaves what it has entered on its way before it
+/// ends.
 namespace pierce::stages {
 
 /// True for candidates whose ray goes into their own body.
@@ -73,8 +74,63 @@ struct AdvanceOutward {
     }
 };
 
-/// Per candidate of a body against itself: 1 if its vertex is inside another part that is not near
-/// it at rest.
+/// True for such candidates whose inward ray enters another part first.
+struct EntersFirst {
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates, listed;
+
+    PIERCE_HD bool operator()(std::uint32_t i) const {
+        return !meetings[candidates[listed[i]]].exit;
+    }
+};
+
+/// Per such candidate: its ray from behind that crossing on, within one part that it has entered.
+struct GoOnInward {
+    View<const Ray> rays;
+    View<const Meeting> meetings;
+    View<const std::uint32_t> candidates, listed, active;
+    View<Ray> inward;
+    View<std::int32_t> entered;
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        const std::uint32_t i = active[k], r = candidates[listed[i]];
+        Ray ray = rays[r];
+        ray.t_min = max_of(meetings[r].t, ray.t_min) + ray.touch;
+        inward[i] = ray;
+        entered[i] = 1;
+    }
+};
+
+/// Per ray under way: enters or leaves another part and goes on behind it, or has come to its exit.
+struct AdvanceInward {
+    View<const BodyView> bodies;
+    View<const Hit> found;
+    View<const std::uint32_t> candidates, listed, active;
+    View<Ray> inward;
+    View<std::int32_t> entered;
+    View<Hit> hits;
+    View<Meeting> meetings;
+    View<std::uint32_t> goes_on;
+
+    PIERCE_HD void operator()(std::uint32_t k) const {
+        goes_on[k] = 0;
+        if (found[k].triangle == no_triangle) return;
+        const std::uint32_t i = active[k], r = candidates[listed[i]];
+        Ray& ray = inward[i];
+        const Meeting m = meet(ray, bodies[ray.target].surface(), found[k].triangle);
+        if (m.exit && entered[i] == 0) {
+            hits[r] = found[k];
+            meetings[r] = m;
+            return;
+        }
+        entered[i] += m.exit ? -1 : 1;
+        ray.t_min = max_of(m.t, ray.t_min) + ray.touch;
+        goes_on[k] = ray.t_min < ray.t_max;
+    }
+};
+
+/// Per candidate of a body against itself: 1 if its inward ray comes to an exit, and if its vertex
+/// is inside another part that is not near it at rest.
 struct KeepSelf {
     View<const BodyView> bodies;
     View<const Ray> rays;
@@ -93,7 +149,7 @@ struct KeepSelf {
         for (int k = 0; k < 3; ++k)
             at_rest += meetings[r].barycentric[k] * to_double(mesh.positions[t.vertex[k]]);
         const double away = length(at_rest - to_double(mesh.positions[sources[r].item]));
-        keep[listed[i]] = winding[i] >= 1 &&
+        keep[listed[i]] = meetings[r].exit && winding[i] >= 1 &&
                           away >= constants::self_distance * mesh.mean_edge_length;
     }
 };

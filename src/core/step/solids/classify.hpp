@@ -90,8 +90,10 @@ struct TestInside {
         if (routes.size > 0 && routes[i] == Route::looked) return true;
         if (routes.size == 0 || routes[i] != Route::walked)
             meetings[i] = meet(rays[i], bodies[rays[i].target].surface(), hits[i].triangle);
-        // A ray into a sheet is one of its own, and needs no inside.
-        return rules::starts_inside(meetings[i]) || bodies[rays[i].target].collision.sheet;
+        // A ray into a sheet is one of its own, and needs no inside. One into the ray's own solid
+        // starts inside; it may enter other parts first (self_overlap).
+        const bool is_own = rays[i].excluded[0] != no_vertex;
+        return rules::starts_inside(meetings[i]) || is_own;
     }
     PIERCE_HD static std::uint32_t count(bool inside) { return inside; }
     PIERCE_HD void write(std::uint32_t i, bool inside, std::uint32_t place,

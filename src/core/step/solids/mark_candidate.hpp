@@ -6,6 +6,7 @@
 #include "core/device/atomics.hpp"
 #include "core/device/number.hpp"
 #include "core/device/view.hpp"
+#include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/trace/meeting.hpp"
@@ -74,26 +75,35 @@ struct MarkCandidate {
         const bool has_moved = accepted.size > 0 && accepted[candidate];
         const double of_ray = meetings[candidates[candidate]].t,
                      depth = has_moved ? moved[candidate].t : of_ray;
-        const bool is_deep = depth > 0, is_vertex = from.start == RayStart::vertex;
-        const std::uint32_t bits = (is_contained ? PairMarks::contained : 0u) |
-                                   (is_deep && is_vertex ? PairMarks::vertex_inside : 0u) |
-                                   (keep[candidate] ? PairMarks::in_contact : 0u) |
-                                   (keep[candidate] && is_deep ? PairMarks::has_depth : 0u) |
-                                   (keep[candidate] && !is_deep && is_vertex
-                                        ? PairMarks::vertex_touches |
-                                              (of_ray > 0 ? PairMarks::runs_inside : 0u)
-                                        : 0u);
+        const bool is_kept = keep[candidate] != 0, is_deep = depth > 0,
+                   is_vertex = from.start == RayStart::vertex;
+        std::uint32_t bits = 0;
+        if (is_contained) bits |= PairMarks::contained;
+        if (is_deep && is_vertex) bits |= PairMarks::vertex_inside;
+        if (is_kept) bits |= PairMarks::in_contact;
+        if (is_kept && is_deep) bits |= PairMarks::has_depth;
+        if (is_kept && !is_deep && is_vertex) {
+            bits |= PairMarks::vertex_touches;
+            if (of_ray > 0 && runs_in_own(from)) bits |= PairMarks::runs_inside;
+        }
         if (bits != 0) marks.set(from.pair, bits);
-        if (keep[candidate] && is_deep && is_vertex &&
-            !marks.any(from.pair, PairMarks::has_way_out) &&
+        if (is_kept && is_deep && is_vertex && !marks.any(from.pair, PairMarks::has_way_out) &&
             shows_way_out(
                 from, (has_moved ? moved_rays[candidate] : rays[candidates[candidate]]).direction))
             marks.set(from.pair, PairMarks::has_way_out);
-        if (keep[candidate] && !is_deep && !is_vertex) flat[from.item] = candidate;
+        if (is_kept && !is_deep && !is_vertex) flat[from.item] = candidate;
     }
 
 private:
     static constexpr std::uint32_t points_that_hold = 3;  ///< a body that stands on them
+
+    /// True if a vertex's ray runs in its own body, by more than rounding: otherwise what it finds
+    /// inside the target says nothing about what the two have in common.
+    PIERCE_HD bool runs_in_own(const RaySource& from) const {
+        const BodyView& source = contained.bodies[contained.pairs[from.pair].source(from.side)];
+        return leads_well_inside(source.mesh, source.positions, from.item,
+                                 inward_direction(source, from.item));
+    }
 
     /// True unless a vertex's way out of the target, in the target's space, leads against the
     /// inward direction of its body, or both bodies are coarse and have fewer than three vertices

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "pierce/mesh.hpp"
+#include "pierce/vec3.hpp"
+
+namespace pierce {
+
+inline Vec3d middle_of(std::span<const Vec3f> positions, const Triangle& t) {
+    Vec3d sum;
+    for (std::uint32_t v : t.vertex) sum += to_double(positions[v]);
+    return (1.0 / 3) * sum;
+}
+
+inline double area_of(std::span<const Vec3f> positions, const Triangle& t) {
+    const Vec3d a = to_double(positions[t.vertex[0]]);
+    return 0.5 * length(cross(to_double(positions[t.vertex[1]]) - a,
+                              to_double(positions[t.vertex[2]]) - a));
+}
+
+/// Triangles by the number of their group: parts or patches of a surface.
+class TriangleGroups {
+public:
+    TriangleGroups(std::span<const std::uint32_t> group_of, std::uint32_t groups)
+        : begin_(groups + 1, 0), members_(group_of.size()) {
+        for (std::uint32_t g : group_of) ++begin_[g + 1];
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+        for (std::uint32_t t = 0; t < group_of.size(); ++t) members_[next[group_of[t]]++] = t;
+    }
+
+    /// In order.
+    std::span<const std::uint32_t> members(std::uint32_t group) const {
+        return {members_.data() + begin_[group], members_.data() + begin_[group + 1]};
+    }
+    /// Calls see(triangle, its place among the members) for up to `most` of them, evenly among all.
+    template <class See>
+    void for_each_sample(std::uint32_t group, std::uint32_t most, const See& see) const {
+        const std::span<const std::uint32_t> all = members(group);
+        const std::uint64_t samples = std::min<std::uint64_t>(all.size(), most);
+        for (std::uint64_t i = 0; i < samples; ++i) {
+            const auto place = static_cast<std::uint32_t>(i * all.size() / samples);
+            see(all[place], place);
+        }
+    }
+
+private:
+    std::vector<std::uint32_t> begin_, members_;
+};
+
+}  // namespace pierce
