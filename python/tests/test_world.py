@@ -449,6 +449,22 @@ def test_a_mesh_that_is_made_takes_no_options():
             world.add_mesh(mesh, **option)
 
 
+def test_a_mesh_comes_from_another_one_by_handle_or_object():
+    vertices, triangles = torus()
+    torn = (vertices, triangles[:-1])
+    hashes = []
+    for by_handle in (True, False):
+        world = pierce.World("bvh", threads=1)
+        first = world.add_mesh((vertices, triangles))
+        before = first if by_handle else world.mesh(first)
+        body = world.add_deforming_body(world.add_mesh(torn, before=before))
+        world.add_rigid_body(first, [0.5, 0.1, 0, 0, 0, 0, 1])
+        contacts = world.detect()
+        assert len(contacts) > 0
+        hashes.append([world.vertex_positions(body).tobytes(), contacts.distance.tobytes()])
+    assert hashes[0] == hashes[1]
+
+
 def test_what_has_a_wrong_type_is_refused():
     world = pierce.World("reference")
     world.add_fixed_body(world.add_mesh(torus()))

@@ -10,8 +10,9 @@
 #include "core/mesh_build/connected_parts.hpp"
 #include "core/mesh_build/covered_triangles.hpp"
 #include "core/mesh_build/covered_walls.hpp"
-#include "core/mesh_build/inward_parts.hpp"
+#include "core/mesh_build/facing_of_parts.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
+#include "core/mesh_build/seen_sides.hpp"
 #include "core/mesh_build/separating_patches.hpp"
 #include "core/mesh_build/triangle_groups.hpp"
 #include "pierce/constants.hpp"
@@ -34,14 +35,21 @@ OrientedTriangles without_walls(std::span<const Vec3f> positions,
     return rest;
 }
 
-/// Turns parts that face inward.
-void turn_inward_parts(std::span<const Vec3f> positions, OrientedTriangles& surface) {
+/// Turns sides and parts that face inward.
+void turn_outward(std::span<const Vec3f> positions, OrientedTriangles& surface) {
     const ConnectedParts parts = connected_parts(surface.triangles, positions.size());
-    const std::vector<bool> faces_inward = inward_parts(positions, surface.triangles, parts);
+    const std::vector<Facing> as_given = facing_of(positions, surface.triangles, parts);
+    const std::vector<bool> was_turned = turn_seen_sides_outward(positions, surface);
+    std::vector<bool> stays(parts.count, true);  // since it was given
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
+        if (was_turned[surface.patch[t]]) stays[parts.part[t]] = false;
+    const std::vector<Facing> now = std::ranges::count(was_turned, true) == 0
+                                        ? as_given
+                                        : facing_of(positions, surface.triangles, parts);
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
-        if (!faces_inward[parts.part[t]]) continue;
-        std::swap(surface.triangles[t].vertex[1], surface.triangles[t].vertex[2]);
-        surface.turned[t] = !surface.turned[t];
+        const std::uint32_t part = parts.part[t];
+        if (now[part] != Facing::outward || (stays[part] && as_given[part] == Facing::in_inward))
+            surface.turn(t);
     }
 }
 
@@ -102,7 +110,7 @@ Draft draft_of(const MeshData& mesh) {
     for (Triangle& t : joined)
         for (std::uint32_t& v : t.vertex) v = first[v];
     draft.surface = oriented_triangles(mesh.positions, joined);
-    turn_inward_parts(mesh.positions, draft.surface);
+    turn_outward(mesh.positions, draft.surface);
     measure(mesh, draft);
     return draft;
 }
@@ -183,8 +191,9 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
 
 ClosedSurface mended_surface(const MeshData& mesh) {
     Draft draft = draft_of(mesh);
-    std::erase_if(draft.caps,
-                  [&](const Cap& cap) { return cap.area > constants::small_cap * draft.area; });
+    std::erase_if(draft.caps, [&](const Cap& cap) {
+        return !cap.is_gap && cap.area > constants::small_cap * draft.area;
+    });
     return finished(std::move(draft), mesh);
 }
 

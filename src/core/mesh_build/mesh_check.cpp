@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "core/base/disjoint_sets.hpp"
 #include "core/base/workers.hpp"
@@ -16,7 +17,7 @@
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/closed_surface.hpp"
 #include "core/mesh_build/connected_parts.hpp"
-#include "core/mesh_build/inward_parts.hpp"
+#include "core/mesh_build/facing_of_parts.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
 #include "core/mesh_build/winding_tree.hpp"
@@ -206,13 +207,13 @@ std::uint32_t check_components(const Part& part, const Connections& connections,
                                Findings& findings) {
     const MeshData& mesh = part.mesh;
     const ConnectedParts components = connected_parts(mesh.triangles, mesh.positions.size());
-    std::vector<bool> faces_inward = inward_parts(mesh.positions, mesh.triangles, components);
+    std::vector<Facing> facing = facing_of(mesh.positions, mesh.triangles, components);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        if (connections.on_open_edge[t]) faces_inward[components.part[t]] = false;
+        if (connections.on_open_edge[t]) facing[components.part[t]] = Facing::outward;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        if (!faces_inward[components.part[t]]) continue;
+        Facing& its = facing[components.part[t]];
+        if (std::exchange(its, Facing::outward) == Facing::outward) continue;
         findings.add(MeshDefect::inside_out, {part.ids[t]});
-        faces_inward[components.part[t]] = false;
     }
     return components.count;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "pierce/mesh.hpp"
@@ -17,6 +18,12 @@ struct OrientedTriangles {
     /// triangles.
     std::vector<std::uint32_t> patch;
     std::uint32_t patches = 0;
+
+    /// Makes a triangle face the other way.
+    void turn(std::uint32_t t) {
+        std::swap(triangles[t].vertex[1], triangles[t].vertex[2]);
+        turned[t] = !turned[t];
+    }
 };
 
 /// Leaves out triangles that have a vertex twice, and all but one of those with the same vertices.

@@ -168,10 +168,20 @@ TEST(ClosedSurfaceTest, GapsBetweenSidesAreSewnUp) {
                  {std::vector{5}, {4, 5}, {3, 5}, {1, 3, 5}, {0, 1, 2, 3, 4, 5}}) {
                 const std::string what = std::to_string(n) + " " + std::to_string(gap) + " " +
                                          std::to_string(apart.size());
-                const auto [closed, inside] = solid(box_of_sides(n, gap, apart));
-                EXPECT_EQ(inside.rule, Inside::winding) << what;
-                EXPECT_LT(inside.cap_share, 0.02) << what;
-                expect_same_inside(closed, whole, 0.02, what);
+                MeshData mesh = box_of_sides(n, gap, apart);
+                for (const bool some_turned : {false, true}) {
+                    // Sides 1 and 4 face inward.
+                    if (some_turned)
+                        for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+                            if (const std::size_t side = 6 * t / mesh.triangles.size();
+                                side == 1 || side == 4)
+                                std::swap(mesh.triangles[t].vertex[1], mesh.triangles[t].vertex[2]);
+                    const auto [closed, inside] = solid(mesh);
+                    EXPECT_EQ(inside.rule, Inside::winding) << what;
+                    EXPECT_EQ(inside.turned_triangles, some_turned ? 4 * n * n : 0) << what;
+                    EXPECT_LT(inside.cap_share, 0.02) << what;
+                    expect_same_inside(closed, whole, 0.02, what);
+                }
             }
 }
 

@@ -1,4 +1,4 @@
-#include "core/mesh_build/inward_parts.hpp"
+#include "core/mesh_build/facing_of_parts.hpp"
 
 #include <cmath>
 
@@ -29,13 +29,14 @@ double relative_volume(std::span<const Vec3f> positions, std::span<const Triangl
 
 }  // namespace
 
-std::vector<bool> inward_parts(std::span<const Vec3f> positions,
-                               std::span<const Triangle> triangles, const ConnectedParts& parts) {
-    std::vector<bool> result(parts.count, false);
+std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
+                              const ConnectedParts& parts) {
+    std::vector<Facing> result(parts.count, Facing::outward);
     const TriangleGroups groups(parts.part, parts.count);
     if (parts.count == 0) return result;
     if (parts.count == 1) {
-        result[0] = relative_volume(positions, triangles, groups.members(0)) < 0;
+        if (relative_volume(positions, triangles, groups.members(0)) < 0)
+            result[0] = Facing::inward;
         return result;
     }
     const WindingTree winding(positions, triangles);
@@ -52,8 +53,10 @@ std::vector<bool> inward_parts(std::span<const Vec3f> positions,
             if (std::fabs(others) > 0.5) within += area;
             if (others < -0.5) within_inward += area;
         });
-        result[part] = volume < 0 ? !(within > constants::wall_share * all)
-                                  : within_inward > constants::wall_share * all;
+        if (volume < 0 && !(within > constants::wall_share * all))
+            result[part] = Facing::inward;
+        else if (volume > 0 && within_inward > constants::wall_share * all)
+            result[part] = Facing::in_inward;
     }
     return result;
 }

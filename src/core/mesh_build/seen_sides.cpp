@@ -1,0 +1,57 @@
+#include "core/mesh_build/seen_sides.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "core/mesh/half_edges.hpp"
+#include "core/mesh_build/sight.hpp"
+#include "core/mesh_build/triangle_groups.hpp"
+#include "pierce/constants.hpp"
+
+namespace pierce {
+namespace {
+
+/// So many triangles are looked from in all. Where open patches are more, they are a cloud of
+/// triangles rather than sides of a solid, and stay as they are.
+constexpr std::uint32_t most_looks = 1 << 13;
+
+std::vector<bool> open_patches(std::span<const Vec3f> positions, const OrientedTriangles& surface) {
+    std::vector<bool> is_open(surface.patches, false);
+    HalfEdges(surface.triangles, positions.size())
+        .for_each_edge([&](std::span<const HalfEdge> sides) {
+            if (is_balanced(sides)) return;
+            for (const HalfEdge& side : sides) is_open[surface.patch[side.triangle]] = true;
+        });
+    return is_open;
+}
+
+}  // namespace
+
+std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
+                                          OrientedTriangles& surface) {
+    std::vector<bool> turned(surface.patches, false);
+    if (surface.patches < 2) return turned;
+    const std::vector<bool> is_open = open_patches(positions, surface);
+    const auto open = static_cast<std::uint32_t>(std::ranges::count(is_open, true));
+    if (open == 0 || open > most_looks) return turned;
+    const std::uint32_t samples = std::min(constants::wall_samples, most_looks / open);
+    const Sight sight(positions, surface.triangles);
+    const TriangleGroups patches(surface.patch, surface.patches);
+    for (std::uint32_t p = 0; p < surface.patches; ++p) {
+        if (!is_open[p]) continue;
+        double front = 0, back = 0;
+        patches.for_each_sample(p, samples, [&](std::uint32_t t, std::uint32_t) {
+            const Sight::Lines lines = sight.from(t);
+            const double area = area_of(positions, surface.triangles[t]);
+            front += area * lines.front;
+            back += area * lines.back;
+        });
+        turned[p] = back > front;
+        if (turned[p])
+            for (std::uint32_t t : patches.members(p)) surface.turn(t);
+    }
+    return turned;
+}
+
+}  // namespace pierce

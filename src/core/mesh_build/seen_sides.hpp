@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/mesh_build/oriented_triangles.hpp"
+#include "pierce/mesh.hpp"
+
+namespace pierce {
+
+/// Turns open patches that show more of their backs than of their fronts to somebody far away
+/// (Takayama et al. 2014). Others, and those that cannot be seen, stay. A patch is open if some of
+/// its edges lack a triangle, or have one too many. Returns which patches were turned.
+std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
+                                          OrientedTriangles& surface);
+
+}  // namespace pierce
