@@ -169,10 +169,12 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
 
 void World::copy_places(std::int32_t from, std::int32_t to) {
     State& s = *state_;
-    const std::vector<BodyId> there = bodies_of(from), here = bodies_of(to);
-    for (const std::int32_t world : {from, to})
-        if ((world == from ? there : here).empty())
-            throw InputError("there is no world " + std::to_string(world));
+    const auto bodies_in = [&](std::int32_t world) {
+        std::vector<BodyId> bodies = bodies_of(world);
+        if (bodies.empty()) throw InputError("there is no world " + std::to_string(world));
+        return bodies;
+    };
+    const std::vector<BodyId> there = bodies_in(from), here = bodies_in(to);
     const auto is_alike = [&](BodyId a, BodyId b) {
         const BodyEntry &one = s.bodies.get(a, "body"), &other = s.bodies.get(b, "body");
         return one.motion == other.motion && one.mesh == other.mesh;

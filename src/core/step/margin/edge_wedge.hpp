@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/device/rarely.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
@@ -21,16 +22,19 @@ struct EdgeFaces {
     std::uint32_t triangle[2] = {no_triangle, no_triangle};
     std::uint32_t opposite[2] = {no_vertex, no_vertex};  ///< the vertex furthest from the edge
 
+    PIERCE_HD EdgeFaces() = default;
     PIERCE_HD EdgeFaces(const BodyView& body, const Edge& edge) {
-        if (edge.triangle[1] == no_triangle) return;
-        for (int k = 0; k < 2; ++k) {
-            triangle[k] = edge.triangle[k];
-            opposite[k] = opposite_vertex(body.mesh, edge, k);
-        }
-        if (opposite[0] == no_vertex || opposite[1] == no_vertex)
-            triangle[0] = triangle[1] = no_triangle;
-        else if (may_have_thin(body))
-            for (int k = 0; k < 2; ++k) look_beyond_thin(body, edge, k);
+        *this = as_given(body.mesh, edge);
+        if (exist() && may_have_thin(body)) *this = beyond_thin(body, edge, *this);
+    }
+    /// The edge's own triangles, with an area or without.
+    PIERCE_HD static EdgeFaces as_given(const MeshView& mesh, const Edge& edge) {
+        EdgeFaces faces;
+        if (edge.triangle[1] == no_triangle) return faces;
+        for (int k = 0; k < 2; ++k) faces.opposite[k] = opposite_vertex(mesh, edge, k);
+        if (faces.opposite[0] == no_vertex || faces.opposite[1] == no_vertex) return faces;
+        for (int k = 0; k < 2; ++k) faces.triangle[k] = edge.triangle[k];
+        return faces;
     }
 
     PIERCE_HD bool exist() const {
@@ -52,35 +56,47 @@ private:
         return corners[0] == vertex ? 0 : corners[1] == vertex ? 1 : 2;
     }
 
-    PIERCE_HD void look_beyond_thin(const BodyView& body, const Edge& edge, int k) {
+    /// The faces beyond triangles of the edge that have no area.
+    PIERCE_RARELY PIERCE_HD static EdgeFaces beyond_thin(const BodyView& body, const Edge& edge,
+                                                         EdgeFaces faces) {
         const MeshView& mesh = body.mesh;
-        const TriangleNow placed(body, edge.triangle[k]);
-        if (!placed.is_thin()) return;
-        const int other = 1 - k;
-        const std::uint32_t own = opposite_vertex(mesh, edge, k),
-                            own_side = side_of(mesh, edge.triangle[k], own),
-                            other_side = side_of(mesh, edge.triangle[other],
-                                                 opposite_vertex(mesh, edge, other));
-        triangle[k] = placed.longest_side() == own_side
-                          ? no_triangle
-                          : neighbor_with_area(body, edge.triangle[other], other_side);
-        if (triangle[k] == no_triangle) return;
+        for (int k = 0; k < 2; ++k) {
+            const TriangleNow placed(body, edge.triangle[k]);
+            if (!placed.is_thin()) continue;
+            const std::uint32_t own = opposite_vertex(mesh, edge, k),
+                                across = opposite_vertex(mesh, edge, 1 - k);
+            const bool is_long_side = placed.longest_side() == side_of(mesh, edge.triangle[k], own);
+            faces.triangle[k] = is_long_side ? no_triangle
+                                             : neighbor_with_area(
+                                                   body, edge.triangle[1 - k],
+                                                   side_of(mesh, edge.triangle[1 - k], across));
+            if (faces.triangle[k] != no_triangle)
+                faces.opposite[k] = furthest_vertex(body, faces.triangle[k], edge);
+        }
+        return faces;
+    }
+
+    /// Of a triangle's vertices, the one that is furthest from the line through an edge.
+    PIERCE_HD static std::uint32_t furthest_vertex(const BodyView& body, std::uint32_t triangle,
+                                                   const Edge& edge) {
         const Vec3d from = to_double(body.positions[edge.vertex[0]]),
                     along = to_double(body.positions[edge.vertex[1]]) - from;
-        double furthest = -1;
-        for (std::uint32_t v : mesh.triangles[triangle[k]].vertex) {
+        std::uint32_t furthest = no_vertex;
+        double most = -1;
+        for (std::uint32_t v : body.mesh.triangles[triangle].vertex) {
             const double away = length_squared(cross(along, to_double(body.positions[v]) - from));
-            if (!(away > furthest)) continue;
-            furthest = away;
-            opposite[k] = v;
+            if (!(away > most)) continue;
+            most = away;
+            furthest = v;
         }
+        return furthest;
     }
 };
 
 /// True for an edge between two faces that bend away from each other outward, by more than `touch`:
 /// no point outside is nearest to another edge.
-PIERCE_HD inline bool is_ridge(const BodyView& body, const Edge& edge, double touch) {
-    const EdgeFaces faces(body, edge);
+PIERCE_HD inline bool is_ridge(const BodyView& body, const Edge& edge, const EdgeFaces& faces,
+                               double touch) {
     return faces.exist() && dot(triangle_normal(body.mesh, body.positions, faces.triangle[0]),
                                 to_double(body.positions[faces.opposite[1]]) -
                                     to_double(body.positions[edge.vertex[0]])) < -touch;
@@ -112,14 +128,14 @@ private:
 /// The wedge over an edge between two faces, in the space of a target.
 class EdgeWedge {
 public:
-    PIERCE_HD EdgeWedge(const BodyView& body, const Frame& to_space, const Edge& edge, double touch)
+    PIERCE_HD EdgeWedge(const BodyView& body, const Frame& to_space, const Edge& edge,
+                        const EdgeFaces& faces, double touch)
         : touch_(touch) {
         const auto at = [&](std::uint32_t v) {
             return to_space.to_parent(to_double(body.positions[v]));
         };
         from_ = at(edge.vertex[0]);
         to_ = at(edge.vertex[1]);
-        const EdgeFaces faces(body, edge);
         for (int k = 0; k < 2; ++k) opposite_[k] = at(faces.opposite[k]);
     }
 
@@ -142,12 +158,11 @@ private:
 /// `margin`. Directions between two normals are within the triangle of both and of where the
 /// tangents there meet.
 PIERCE_HD inline Box reach_of_ridge(const BodyView& body, const Frame& to_space, const Edge& edge,
-                                    double margin, double touch) {
+                                    const EdgeFaces& faces, double margin, double touch) {
     const auto at = [&](std::uint32_t v) { return to_double(body.positions[v]); };
     const Vec3d from = at(edge.vertex[0]), along = normalized(at(edge.vertex[1]) - from);
     Vec3d normal[2];
     double slack = 0;  // the sine of the angle by which EdgeWedge lets directions differ
-    const EdgeFaces faces(body, edge);
     for (int k = 0; k < 2; ++k) {
         normal[k] = to_space.rotation *
                     triangle_normal(body.mesh, body.positions, faces.triangle[k]);

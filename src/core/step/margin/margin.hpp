@@ -113,13 +113,17 @@ private:
                        stages::FindGroupsNearRidge{bodies, step.directed, view_of(ridges_)},
                        ridge_groups_);
         executor_.emit(ListId::near_edge_pairs, count_of(ridge_groups_),
-                       stages::FindEdgePairs{bodies, step.directed, view_of(ridge_groups_)},
+                       stages::FindEdgePairs{.bodies = bodies,
+                                             .directed = step.directed,
+                                             .ridges = view_of(std::as_const(ridges_)),
+                                             .near = view_of(ridge_groups_)},
                        pairs_);
     }
 
     StepTools<E, T>& tools_;
     E& executor_;
-    Buffer<stages::CullItem> blocks_, patches_, edge_blocks_, edge_groups_, edges_, ridges_;
+    Buffer<stages::CullItem> blocks_, patches_, edge_blocks_, edge_groups_, edges_;
+    Buffer<stages::NearRidge> ridges_;
     Buffer<stages::RidgeNearGroup> ridge_groups_;
     Buffer<Ray> queries_;
     Buffer<stages::NearEdgePair> pairs_;

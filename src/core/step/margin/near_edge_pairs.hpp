@@ -3,6 +3,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/closest_points_of_segments.hpp"
+#include "core/geometry/triangle.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/mesh/edge_group.hpp"
 #include "core/mesh/mesh_view.hpp"
@@ -105,6 +106,12 @@ struct CullMarginEdges {
     }
 };
 
+/// A ridge near the target, and the faces that meet in it.
+struct NearRidge {
+    std::uint32_t directed = 0, edge = 0;
+    EdgeFaces faces;
+};
+
 /// Per edge: lists those that are ridges and not further from the target than the margin, as far as
 /// the target's clearance knows.
 struct KeepNearRidges {
@@ -112,26 +119,30 @@ struct KeepNearRidges {
     View<const DirectedPair> directed;
     View<const CullItem> edges;
 
-    PIERCE_HD bool find(std::uint32_t i) const {
+    /// The faces exist if the edge is listed.
+    PIERCE_HD EdgeFaces find(std::uint32_t i) const {
         const CullItem& item = edges[i];
         const DirectedPair& d = directed[item.directed];
         const BodyView &source = bodies[d.source], &target = bodies[d.target];
         const Edge& edge = source.mesh.edges[item.index];
-        if (!is_ridge(source, edge, d.touch) || cover_of(source, edge) == Cover::wholly)
-            return false;
-        return target.mesh.slabs.size == 0 ||
-               !(proof_of(source, target, {source, d, edge}).gap >
-                 edge_margin_of(bodies, directed, item.directed) + d.touch);
+        const EdgeFaces faces(source, edge);
+        const bool is_near = is_ridge(source, edge, faces, d.touch) &&
+                             cover_of(source, faces) != Cover::wholly &&
+                             (target.mesh.slabs.size == 0 ||
+                              !(proof_of(source, target, {source, d, edge}).gap >
+                                edge_margin_of(bodies, directed, item.directed) + d.touch));
+        return is_near ? faces : EdgeFaces();
     }
-    PIERCE_HD static std::uint32_t count(bool near) { return near; }
-    PIERCE_HD void write(std::uint32_t i, bool near, std::uint32_t place, CullItem* ridges) const {
-        if (near) ridges[place] = edges[i];
+    PIERCE_HD static std::uint32_t count(const EdgeFaces& faces) { return faces.exist(); }
+    PIERCE_HD void write(std::uint32_t i, const EdgeFaces& faces, std::uint32_t place,
+                         NearRidge* ridges) const {
+        if (faces.exist()) ridges[place] = {edges[i].directed, edges[i].index, faces};
     }
 };
 
 /// A ridge, and triangles of a group of the target that may be near it.
 struct RidgeNearGroup {
-    CullItem ridge;
+    std::uint32_t ridge = 0;  ///< its place among the near ridges
     std::uint32_t group = 0;
     std::uint32_t mask = 0;
 };
@@ -140,7 +151,7 @@ struct RidgeNearGroup {
 struct FindGroupsNearRidge {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
-    View<const CullItem> ridges;
+    View<const NearRidge> ridges;
 
     /// The first groups. Measured: with four of them, so many soft tori of a lattice look twice
     /// that steps take 2 % longer on an H200.
@@ -167,7 +178,7 @@ struct FindGroupsNearRidge {
     PIERCE_HD void write(std::uint32_t i, const Found& found, std::uint32_t place,
                          RidgeNearGroup* near) const {
         const auto put = [&](std::uint32_t group, std::uint32_t mask) {
-            near[place++] = {ridges[i], group, mask};
+            near[place++] = {i, group, mask};
         };
         if (found.count > Found::most) return each(ridges[i], put);
         for (std::uint32_t k = 0; k < found.count; ++k) put(found.group[k], found.mask[k]);
@@ -175,12 +186,12 @@ struct FindGroupsNearRidge {
 
 private:
     template <class See>
-    PIERCE_HD void each(const CullItem& item, const See& see) const {
-        const DirectedPair& d = directed[item.directed];
+    PIERCE_HD void each(const NearRidge& ridge, const See& see) const {
+        const DirectedPair& d = directed[ridge.directed];
         const BodyView &source = bodies[d.source], &target = bodies[d.target];
-        const double margin = edge_margin_of(bodies, directed, item.directed);
-        const Edge& edge = source.mesh.edges[item.index];
-        const Box reach = reach_of_ridge(source, d.to_space, edge, margin, d.touch);
+        const double margin = edge_margin_of(bodies, directed, ridge.directed);
+        const Edge& edge = source.mesh.edges[ridge.edge];
+        const Box reach = reach_of_ridge(source, d.to_space, edge, ridge.faces, margin, d.touch);
         for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size),
                        boxes_along({source, d, edge}, target, margin, reach),
                        [&](std::uint32_t group, std::uint32_t mask) {
@@ -202,10 +213,12 @@ struct NearEdgePair {
 };
 
 /// Per ridge and group: lists the edges of the group's triangles that it is near, where both are
-/// ridges and closest to each other between their ends.
+/// ridges and closest to each other between their ends. Edges beside a triangle without area are
+/// listed, too.
 struct FindEdgePairs {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
+    View<const NearRidge> ridges;
     View<const RidgeNearGroup> near;
 
     /// The sides of triangles at which the first pairs are.
@@ -238,9 +251,8 @@ struct FindEdgePairs {
 private:
     /// A ridge that looks at edges of the target.
     struct Look {
-        const BodyView &source, &target;
-        const Frame& to_space;  ///< the target's, from the source's
-        CullItem item;
+        const BodyView& target;
+        std::uint32_t directed = 0, edge = 0;
         double margin = 0, touch = 0;  ///< [length]
         PlacedEdge placed;
         EdgeWedge wedge;
@@ -270,28 +282,35 @@ private:
             const double distance = length(way);
             if (!(distance > touch && distance < margin)) return;
             const Vec3d direction = (1 / distance) * way;
+            if (!wedge.faces(direction)) return;
             const Edge& other = target.mesh.edges[features.edge[k]];
-            if (!wedge.faces(direction) || !is_ridge(target, other, touch) ||
-                !EdgeWedge(target, {}, other, touch).faces(-direction) ||
-                is_covered(target, other, to, -direction) ||
-                is_covered(source, source.mesh.edges[item.index], to_space.to_local(from),
-                           to_space.rotation.transposed() * direction))
+            const EdgeFaces faces = EdgeFaces::as_given(target.mesh, other);
+            if (!faces.exist() || (!is_beside_thin(ends, faces) &&
+                                   !(is_ridge(target, other, faces, touch) &&
+                                     EdgeWedge(target, {}, other, faces, touch).faces(-direction))))
                 return;
-            see({item.directed, item.index, features.edge[k], t, corner, 0, places.first,
-                 places.second});
+            see({directed, edge, features.edge[k], t, corner, 0, places.first, places.second});
+        }
+
+        PIERCE_HD bool is_beside_thin(const RidgeEnds& ends, const EdgeFaces& faces) const {
+            const auto is_thin = [&](int k) {
+                return is_degenerate(ends.from, ends.to,
+                                     to_double(target.positions[faces.opposite[k]]));
+            };
+            return may_have_thin(target) && (is_thin(0) || is_thin(1));
         }
     };
 
     PIERCE_HD Look look_of(const RidgeNearGroup& item) const {
-        const DirectedPair& d = directed[item.ridge.directed];
+        const NearRidge& ridge = ridges[item.ridge];
+        const DirectedPair& d = directed[ridge.directed];
         const BodyView& source = bodies[d.source];
-        const Edge& edge = source.mesh.edges[item.ridge.index];
-        const EdgeWedge wedge(source, d.to_space, edge, d.touch);
-        return {source,
-                bodies[d.target],
-                d.to_space,
-                item.ridge,
-                edge_margin_of(bodies, directed, item.ridge.directed),
+        const Edge& edge = source.mesh.edges[ridge.edge];
+        const EdgeWedge wedge(source, d.to_space, edge, ridge.faces, d.touch);
+        return {bodies[d.target],
+                ridge.directed,
+                ridge.edge,
+                edge_margin_of(bodies, directed, ridge.directed),
                 d.touch,
                 {source, d, edge},
                 wedge,
@@ -312,8 +331,19 @@ private:
     static_assert(sizeof(NearEdgePair) == 40);
 };
 
+/// True for a ridge of the union of a body's parts, if a place on it, from which `out` leads away,
+/// is closest to what is there.
+PIERCE_HD inline bool is_faced(const BodyView& body, std::uint32_t edge, Vec3d place, Vec3d out,
+                               double touch) {
+    const Edge& ridge = body.mesh.edges[edge];
+    const EdgeFaces faces(body, ridge);
+    return is_ridge(body, ridge, faces, touch) &&
+           EdgeWedge(body, {}, ridge, faces, touch).faces(out) &&
+           !is_covered(body, faces, place, out);
+}
+
 /// Per pair of edges: a chord that stands for the point of the first one, and a contact that is not
-/// deep. Both join the step's.
+/// deep, if both are ridges of their solids there. Both join the step's.
 struct JoinEdgePairs {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -325,8 +355,8 @@ struct JoinEdgePairs {
     PIERCE_HD void operator()(std::uint32_t i) const {
         const NearEdgePair& pair = pairs[i];
         const DirectedPair& d = directed[pair.directed];
-        const BodyView& target = bodies[d.target];
-        const PlacedEdge placed(bodies[d.source], d, bodies[d.source].mesh.edges[pair.edge]);
+        const BodyView &source = bodies[d.source], &target = bodies[d.target];
+        const PlacedEdge placed(source, d, source.mesh.edges[pair.edge]);
         const RidgeEnds ends(target.surface(), {pair.triangle, pair.corner});
         const Vec3d from = placed.a + pair.along * (placed.b - placed.a),
                     to = ends.from + pair.other_along * (ends.to - ends.from);
@@ -354,7 +384,18 @@ struct JoinEdgePairs {
                    .side = static_cast<std::uint8_t>(pair.directed % 2),
                    .start = RayStart::chord,
                    .is_near = true},
-                  {pair.triangle}, meeting, true);
+                  {pair.triangle}, meeting,
+                  is_faced(target, pair.other_edge, to, ray.direction, d.touch) &&
+                      !lies_in_other_part(source, pair.edge, d.to_space, from, -ray.direction));
+    }
+
+private:
+    /// True if a place on a ridge, in the target's space, lies in another part of its body.
+    PIERCE_HD static bool lies_in_other_part(const BodyView& body, std::uint32_t edge,
+                                             const Frame& to_space, Vec3d place, Vec3d out) {
+        return body.mesh.covered.size > 0 &&
+               is_covered(body, EdgeFaces(body, body.mesh.edges[edge]), to_space.to_local(place),
+                          to_space.rotation.transposed() * out);
     }
 };
 

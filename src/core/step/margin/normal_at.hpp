@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/body/body_view.hpp"
+#include "core/device/rarely.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/closest_place_on_triangle.hpp"
 #include "core/geometry/triangle.hpp"
@@ -77,9 +78,11 @@ PIERCE_HD inline bool lies_on_thin(const BodyView& body, std::uint32_t triangle,
 
 /// normal_at() beside triangles without area: of the triangles at the place and of those beyond,
 /// as most_facing_normal().
-PIERCE_HD inline Vec3d normal_beside_thin(const BodyView& body, std::uint32_t triangle,
-                                          const double weight[3], const PlaceKind& place,
-                                          Vec3d way) {
+PIERCE_RARELY PIERCE_HD inline Vec3d normal_beside_thin(const BodyView& body,
+                                                        std::uint32_t triangle, TrianglePlace at,
+                                                        Vec3d way) {
+    const double weight[3] = {1 - at.second - at.third, at.second, at.third};
+    const PlaceKind place(weight);
     const MeshView& mesh = body.mesh;
     Vec3d best = place.zeros == 2
                      ? most_facing_normal(body, way, mesh.triangles[triangle].vertex[place.corner])
@@ -103,8 +106,7 @@ PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
     const Triangle& t = mesh.triangles[triangle];
     const double weight[3] = {1 - at.second - at.third, at.second, at.third};
     const PlaceKind place(weight);
-    if (lies_on_thin(body, triangle, place))
-        return normal_beside_thin(body, triangle, weight, place, way);
+    if (lies_on_thin(body, triangle, place)) return normal_beside_thin(body, triangle, at, way);
     const std::uint32_t v = t.vertex[place.corner];
     if (place.zeros == 2) {
         const bool is_one_fan = mesh.fans[mesh.corner_offsets[v]] != no_vertex;

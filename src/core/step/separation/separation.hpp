@@ -98,11 +98,12 @@ private:
         cast_apart(step, edges);
         rays_apart_ = count_of(out_.rays);
         const Count candidates = count_of(batch.candidates);
+        const stages::RayChains of_touching = new_chains(step, candidates);
         executor_.for_each(candidates,
                            stages::ChainTouchingVertices{.sources = view_of(batch.sources),
                                                          .candidates = view_of(batch.candidates),
                                                          .marks = step.marks,
-                                                         .chains = new_chains(step, candidates)});
+                                                         .chains = of_touching});
         keep_inside(ListId::separated_rays, step, edges, batch, routes);
     }
 
@@ -166,13 +167,14 @@ private:
                                                                   view_of(apart_.vertices)});
         executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
                                                                 view_of(chords_.inside)});
-        executor_.for_each(vertices, stages::ChainStrandedVertices{view_of(apart_.vertices),
-                                                                   new_chains(step, vertices)});
+        const stages::RayChains of_stranded = new_chains(step, vertices);
+        executor_.for_each(vertices,
+                           stages::ChainStrandedVertices{view_of(apart_.vertices), of_stranded});
         executor_.for_each(contained, stages::GenerateContainedRays{
                                           .out = rays_apart(step, edges, vertices + chords),
                                           .from = view_of(parts_.inside),
                                           .stranded = view_of(apart_.vertices),
-                                          .chains = chains()});
+                                          .chains = of_stranded});
     }
 
     /// Chains without any ray yet.

@@ -5,6 +5,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
 #include "core/device/number.hpp"
+#include "core/device/rarely.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/pair_marks.hpp"
@@ -84,7 +85,9 @@ struct MarkCandidate {
         if (is_kept && is_deep) bits |= PairMarks::has_depth;
         if (is_kept && !is_deep && is_vertex) {
             bits |= PairMarks::vertex_touches;
-            if (of_ray > 0 && runs_in_own(from)) bits |= PairMarks::runs_inside;
+            const Pair pair = contained.pairs[from.pair];
+            if (of_ray > 0 && runs_in_own(contained.bodies[pair.source(from.side)], from.item))
+                bits |= PairMarks::runs_inside;
         }
         if (bits != 0) marks.set(from.pair, bits);
         if (is_kept && is_deep && is_vertex && !marks.any(from.pair, PairMarks::has_way_out) &&
@@ -99,10 +102,9 @@ private:
 
     /// True if a vertex's ray runs in its own body, by more than rounding: otherwise what it finds
     /// inside the target says nothing about what the two have in common.
-    PIERCE_HD bool runs_in_own(const RaySource& from) const {
-        const BodyView& source = contained.bodies[contained.pairs[from.pair].source(from.side)];
-        return leads_well_inside(source.mesh, source.positions, from.item,
-                                 inward_direction(source, from.item));
+    PIERCE_RARELY PIERCE_HD static bool runs_in_own(const BodyView& source, std::uint32_t vertex) {
+        return leads_well_inside(source.mesh, source.positions, vertex,
+                                 inward_direction(source, vertex));
     }
 
     /// True unless a vertex's way out of the target, in the target's space, leads against the
