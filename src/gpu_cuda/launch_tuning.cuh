@@ -7,6 +7,7 @@
 #include "core/step/edges/asked_edges.hpp"
 #include "core/step/edges/chord_stages.hpp"
 #include "core/step/edges/near_edges.hpp"
+#include "core/step/margin/near_edge_pairs.hpp"
 #include "core/step/sheets/sheet_bounds.hpp"
 #include "core/step/sheets/sheet_contacts.hpp"
 #include "core/step/sheets/sheet_features.hpp"
@@ -84,6 +85,10 @@ inline constexpr Launch launch_of<bvh::FindClosestCandidates>{.threads_at_once =
 
 template <>
 inline constexpr Launch launch_of<bvh::Refit>{.is_uneven = true};
+
+// With the few registers more that it would take, a fourth less of its threads would fit.
+template <>
+inline constexpr Launch launch_of<stages::FindEdgePairs>{.threads_at_once = 512};
 
 // Measured: with 512 threads a step of many sheets takes 0.5 % longer.
 template <>
