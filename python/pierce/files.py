@@ -12,6 +12,7 @@ Nothing is merged, unless `weld` asks for it.
 from __future__ import annotations
 
 import json
+import re
 import warnings
 from dataclasses import dataclass
 from importlib import import_module
@@ -209,14 +210,16 @@ def _refuse_what_is_misread(path: Path) -> None:
             raise InputError(f"cannot read '{path}': it has {what}, which trimesh misreads")
 
 
-def _node_of_primitive(scene, node, geometry) -> str:
+def _node_of_primitive(scene: Any, node: str, geometry: Any) -> str:
     """The node of a mesh: trimesh makes a child of it for each primitive of a glTF mesh."""
-    parent = scene.graph.transforms.parents.get(node)
+    parent = str(scene.graph.transforms.parents.get(node))
     is_one_of_many = geometry.metadata.get("from_gltf_primitive", False)
-    return parent if is_one_of_many and str(node).startswith(f"{parent}_") else node
+    is_named_so = re.fullmatch(re.escape(parent) + "_[0-9a-f]{6}", node) is not None
+    stays = np.array_equal(scene.graph.get(node, parent)[0], np.eye(4))
+    return parent if is_one_of_many and is_named_so and stays else node
 
 
-def _joined(geometries) -> tuple[np.ndarray, np.ndarray]:
+def _joined(geometries: list[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
     counts = [len(geometry.vertices) for geometry in geometries]
     begins = np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64)
     return (
@@ -230,20 +233,21 @@ def _read_scene(path: Path) -> list[Part]:
     if path.suffix.lower() in (".gltf", ".glb"):
         _refuse_what_is_misread(path)
     scene = trimesh.load_scene(str(path), process=False)
-    meshes, left_out = {}, []
+    meshes: dict[str, tuple[Any, list[Any]]] = {}
+    left_out = []
     for node in scene.graph.nodes_geometry:
         matrix, name = scene.graph[node]
         geometry = scene.geometry[name]
         if not isinstance(geometry, trimesh.Trimesh):
             left_out.append(node)
             continue
-        whole = _node_of_primitive(scene, node, geometry)
+        whole = _node_of_primitive(scene, str(node), geometry)
         meshes.setdefault(whole, (matrix, []))[1].append(geometry)
     parts = []
     for node, (matrix, primitives) in meshes.items():
         rigid, stretch = split(np.asarray(matrix, np.float64))
         vertices, faces = _joined(primitives)
-        parts.append(Part(str(node), *placed(vertices, faces, stretch), poses_of(rigid[None])[0]))
+        parts.append(Part(node, *placed(vertices, faces, stretch), poses_of(rigid[None])[0]))
     if left_out:
         warnings.warn(f"'{path}': left out, as they have no triangles: {left_out}", stacklevel=3)
     return parts

@@ -305,26 +305,29 @@ TEST_F(RanksChangeTest, WorldsAreLeftOutWhereverTheirBodiesAre) {
 TEST_F(RanksChangeTest, AWorldThatHasLostItsLastBodyIsLeftOutNoMore) {
     const MeshId mesh = add_mesh(cube());
     for (const int owner : {0, 1}) {
-        const auto b = static_cast<std::uint32_t>(4 * owner);
+        const auto number = static_cast<std::uint32_t>(3 * owner);
+        add_rigid(owner, number, mesh, at(50.0 * owner));
+        add_rigid(1 - owner, number + 1, mesh, at(50.0 * owner + 0.8));
+        add_rigid(owner, number + 2, mesh, at(50.0 * owner + 20));
+    }
+    for (const int owner : {0, 1}) {
+        const auto first = static_cast<std::uint32_t>(3 * owner), later = first + 2;
+        const double place = 50.0 * owner;
+        const std::int32_t world = 3 + owner;
         const auto join = [&](std::uint32_t number) {
-            on_owner(number, [](auto& world, BodyId id) { world.set_filter(id, {.world = 3}); });
+            on_owner(number, [&](auto& its, BodyId b) { its.set_filter(b, {.world = world}); });
         };
-        add_rigid(owner, b, mesh, at(50.0 * owner));
-        add_rigid(1 - owner, b + 1, mesh, at(50.0 * owner + 0.8));
-        join(b);
+        join(first);
         const std::size_t all = step();
-        one->set_world_active(3, false);
-        many->set_world_active(3, false);
+        one->set_world_active(world, false);
+        many->set_world_active(world, false);
         EXPECT_LT(step(), all);
-        on_owner(b, [](auto& world, BodyId gone) { world.remove_body(gone); });
+        on_owner(first, [](auto& its, BodyId gone) { its.remove_body(gone); });
         step();
         step();
-        add_rigid(owner, b + 2, mesh, at(50.0 * owner));
-        join(b + 2);
+        join(later);
+        set_pose(later, at(place));
         EXPECT_EQ(step(), all) << owner;
-        on_owner(b + 2, [](auto& world, BodyId gone) { world.remove_body(gone); });
-        on_owner(b + 1, [](auto& world, BodyId gone) { world.remove_body(gone); });
-        step();
     }
 }
 

@@ -6,6 +6,7 @@
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/mesh_build/connected_parts.hpp"
+#include "core/mesh_build/triangle_groups.hpp"
 #include "core/mesh_build/winding_tree.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
@@ -14,10 +15,6 @@ namespace pierce {
 namespace {
 
 constexpr std::uint32_t triangles_at_once = 64;  ///< of a thread
-
-/// Where a triangle's winding number is asked for [barycentric]: in the middle, and near each
-/// corner, since a face of another part may cover only an end of it.
-constexpr double near_corner = 0.9, near_others = 0.05;
 
 /// The connected parts of a surface and the boxes around them.
 struct PartsInBoxes {
@@ -70,16 +67,17 @@ public:
         const Corners own = corners(t);
         if (is_degenerate(own[0], own[1], own[2])) return Cover::none;
         const Corners outside = over(own);
+        const Box region = boxes_[t].inflated(off_);
         bool crosses = false;
-        tree_.for_each_in(boxes_[t].inflated(off_), [&](std::uint32_t other) {
-            crosses = crosses || (parts_.part[other] != parts_.part[t] && !has_twin_[other] &&
-                                  triangles_cross(outside, corners(other)));
-        });
+        tree_.for_each_that([&](const Box& box) { return !crosses && overlap(box, region); },
+                            [&](std::uint32_t other) {
+                                crosses = crosses || (parts_.part[other] != parts_.part[t] &&
+                                                      !has_twin_[other] &&
+                                                      triangles_cross(outside, corners(other)));
+                            });
         if (crosses) return Cover::partly;
-        const int inside = is_inside(outside, 1.0 / 3, 1.0 / 3) +
-                           is_inside(outside, near_corner, near_others) +
-                           is_inside(outside, near_others, near_corner) +
-                           is_inside(outside, near_others, near_others);
+        const auto inside = std::ranges::count_if(places_of(outside),
+                                                  [&](Vec3d p) { return winding_.at(p) > 0.5; });
         return inside == 4 ? Cover::wholly : inside > 0 ? Cover::partly : Cover::none;
     }
 
@@ -100,11 +98,6 @@ private:
         }
         return result;
     }
-    bool is_inside(const Corners& c, double weight, double next) const {
-        const Vec3d p = weight * c[0] + next * c[1] + (1 - weight - next) * c[2];
-        return winding_.at(p) > 0.5;
-    }
-
     std::span<const Vec3f> positions_;
     std::span<const Triangle> triangles_;
     const std::vector<Box>& boxes_;
@@ -135,8 +128,9 @@ std::vector<Cover> covered_triangles(std::span<const Vec3f> positions,
     std::vector<std::uint32_t> near;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         bool is_near = false;
-        part_tree.for_each_in(boxes[t],
-                              [&](std::uint32_t part) { is_near |= part != parts.part[t]; });
+        part_tree.for_each_that(
+            [&](const Box& box) { return !is_near && overlap(box, boxes[t]); },
+            [&](std::uint32_t part) { is_near = is_near || part != parts.part[t]; });
         if (is_near) near.push_back(t);
     }
     if (near.empty()) return {};

@@ -45,13 +45,14 @@ std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const 
         if (!(std::fabs(volume) > constants::flat_part)) continue;
         double all = 0, within = 0, within_inward = 0;
         groups.for_each_sample(part, constants::wall_samples, [&](std::uint32_t t, std::uint32_t) {
-            // The part itself counts as 1/2, or as -1/2 if it faces inward.
-            const double others = winding.at(middle_of(positions, triangles[t]), t) +
-                                  (volume < 0 ? 0.5 : -0.5),
-                         area = area_of(positions, triangles[t]);
-            all += area;
-            if (std::fabs(others) > 0.5) within += area;
-            if (others < -0.5) within_inward += area;
+            const double area = area_of(positions, triangles[t]);
+            for (const Vec3d at : places_of(positions, triangles[t])) {
+                // The part itself counts as 1/2, or as -1/2 if it faces inward.
+                const double others = winding.at(at, t) + (volume < 0 ? 0.5 : -0.5);
+                all += area;
+                if (std::fabs(others) > 0.5) within += area;
+                if (others < -0.5) within_inward += area;
+            }
         });
         if (volume < 0 && !(within > constants::wall_share * all))
             result[part] = Facing::inward;

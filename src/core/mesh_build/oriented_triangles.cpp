@@ -116,4 +116,13 @@ OrientedTriangles oriented_triangles(std::span<const Vec3f> positions,
     return result;
 }
 
+std::vector<bool> OrientedTriangles::open_patches(std::size_t vertex_count) const {
+    std::vector<bool> is_open(patches, false);
+    HalfEdges(triangles, vertex_count).for_each_edge([&](std::span<const HalfEdge> sides) {
+        if (is_balanced(sides)) return;
+        for (const HalfEdge& side : sides) is_open[patch[side.triangle]] = true;
+    });
+    return is_open;
+}
+
 }  // namespace pierce

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -18,6 +19,9 @@ struct OrientedTriangles {
     /// triangles.
     std::vector<std::uint32_t> patch;
     std::uint32_t patches = 0;
+
+    /// Per patch: some of its edges lack a triangle, or have one too many.
+    std::vector<bool> open_patches(std::size_t vertex_count) const;
 
     /// Makes a triangle face the other way.
     void turn(std::uint32_t t) {

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/mesh/half_edges.hpp"
 #include "core/mesh_build/sight.hpp"
 #include "core/mesh_build/triangle_groups.hpp"
 #include "pierce/constants.hpp"
@@ -16,23 +15,13 @@ namespace {
 /// triangles rather than sides of a solid, and stay as they are.
 constexpr std::uint32_t most_looks = 1 << 13;
 
-std::vector<bool> open_patches(std::span<const Vec3f> positions, const OrientedTriangles& surface) {
-    std::vector<bool> is_open(surface.patches, false);
-    HalfEdges(surface.triangles, positions.size())
-        .for_each_edge([&](std::span<const HalfEdge> sides) {
-            if (is_balanced(sides)) return;
-            for (const HalfEdge& side : sides) is_open[surface.patch[side.triangle]] = true;
-        });
-    return is_open;
-}
-
 }  // namespace
 
 std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
                                           OrientedTriangles& surface) {
     std::vector<bool> turned(surface.patches, false);
     if (surface.patches < 2) return turned;
-    const std::vector<bool> is_open = open_patches(positions, surface);
+    const std::vector<bool> is_open = surface.open_patches(positions.size());
     const auto open = static_cast<std::uint32_t>(std::ranges::count(is_open, true));
     if (open == 0 || open > most_looks) return turned;
     const std::uint32_t samples = std::min(constants::wall_samples, most_looks / open);

@@ -17,7 +17,10 @@ namespace {
 class PatchJudge {
 public:
     PatchJudge(std::span<const Vec3f> positions, const OrientedTriangles& surface)
-        : positions_(positions), surface_(surface), patches_(surface.patch, surface.patches) {}
+        : positions_(positions),
+          surface_(surface),
+          patches_(surface.patch, surface.patches),
+          is_open_(surface.open_patches(positions.size())) {}
 
     /// Which patches separate inside from outside, if those of `some` are the surface.
     std::vector<bool> separating(const std::vector<bool>& some) const {
@@ -31,6 +34,10 @@ public:
         const WindingTree winding(positions_, triangles);
         std::vector<bool> result;
         for (std::uint32_t p = 0; p < surface_.patches; ++p) {
+            if (!is_open_[p]) {
+                result.push_back(true);
+                continue;
+            }
             std::vector<Triangle> own;
             if (!some[p])
                 for (std::uint32_t t : patches_.members(p)) own.push_back(surface_.triangles[t]);
@@ -55,10 +62,13 @@ public:
         const Sight sight(positions_, surface_.triangles);
         std::vector<bool> result(surface_.patches, false);
         for (std::uint32_t p = 0; p < surface_.patches; ++p)
-            patches_.for_each_sample(p, constants::wall_samples,
-                                     [&](std::uint32_t t, std::uint32_t) {
-                                         result[p] = result[p] || sight.from(t).any();
-                                     });
+            if (!is_open_[p])
+                result[p] = true;
+            else
+                patches_.for_each_sample(p, constants::wall_samples,
+                                         [&](std::uint32_t t, std::uint32_t) {
+                                             result[p] = result[p] || sight.from(t).any();
+                                         });
         return result;
     }
 
@@ -66,6 +76,7 @@ private:
     std::span<const Vec3f> positions_;
     const OrientedTriangles& surface_;
     TriangleGroups patches_;
+    std::vector<bool> is_open_;  ///< per patch
 };
 
 }  // namespace

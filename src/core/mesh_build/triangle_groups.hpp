@@ -1,11 +1,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <span>
 #include <vector>
 
+#include "core/geometry/triangle_pair.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/vec3.hpp"
 
@@ -21,6 +23,19 @@ inline double area_of(std::span<const Vec3f> positions, const Triangle& t) {
     const Vec3d a = to_double(positions[t.vertex[0]]);
     return 0.5 * length(cross(to_double(positions[t.vertex[1]]) - a,
                               to_double(positions[t.vertex[2]]) - a));
+}
+
+/// Where a triangle is asked about what is around it: in the middle and near each corner, since
+/// something may be around an end of it only.
+inline std::array<Vec3d, 4> places_of(const Corners& c) {
+    constexpr double near_corner = 0.9, near_others = 0.05;
+    return {(1.0 / 3) * (c[0] + c[1] + c[2]), near_corner * c[0] + near_others * (c[1] + c[2]),
+            near_corner * c[1] + near_others * (c[2] + c[0]),
+            near_corner * c[2] + near_others * (c[0] + c[1])};
+}
+inline std::array<Vec3d, 4> places_of(std::span<const Vec3f> positions, const Triangle& t) {
+    return places_of(Corners{to_double(positions[t.vertex[0]]), to_double(positions[t.vertex[1]]),
+                             to_double(positions[t.vertex[2]])});
 }
 
 /// Triangles by the number of their group: parts or patches of a surface.

@@ -80,6 +80,23 @@ std::vector<Vec3d> face_normals(const PlacedSurface& surface, const HalfEdges& s
     return normals;
 }
 
+/// The plane of a triangle with its normal, which may be borrowed.
+struct FacePlane {
+    Vec3d point, normal;
+    double height, tolerance;  ///< [length] of the triangle, and of its corners
+
+    /// True unless `p` is above the plane for certain: the less high a triangle is, the more does
+    /// the rounding of its corners tilt it. A borrowed normal is not tilted.
+    bool is_below(Vec3d p) const {
+        const double away = length(p - point),
+                     tilt = height > tolerance ? away / (rounding_share * height) : 0;
+        return dot(normal, p - point) <= tolerance * (1 + tilt);
+    }
+
+private:
+    static constexpr double rounding_share = 8;  ///< the tolerance is so many times the rounding
+};
+
 /// True if a closed surface winds once around the mean of some points.
 bool winds_once(const PlacedSurface& surface, const std::vector<Vec3d>& points) {
     Vec3d middle;
@@ -114,28 +131,39 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     std::vector<Vec3d> normals = face_normals(surface, sides_of_all, tolerance);
     if (std::ranges::any_of(normals, [](Vec3d n) { return length_squared(n) == 0; }))
         return std::nullopt;
+    const auto plane = [&](std::size_t t) {
+        return FacePlane{points[triangles[t].vertex[0]], normals[t],
+                         Apex(points, triangles[t]).height, tolerance};
+    };
     bool is_convex = true;
     std::size_t edges = 0;
     sides_of_all.for_each_edge([&](std::span<const HalfEdge> sides) {
         ++edges;
         is_convex = is_convex && sides.size() == 2 && is_balanced(sides);
         if (!is_convex) return;
-        const Vec3d p = points[sides[0].low];
         const Vec3d n = normals[sides[0].triangle], m = normals[sides[1].triangle];
         const auto opposite = [&](const HalfEdge& side) {
             return points[triangles[side.triangle].vertex[side.opposite]];
         };
-        // Beside a triangle that is hardly higher than rounding, only the other one's plane is
-        // known.
-        is_convex = std::min(dot(n, opposite(sides[1]) - p), dot(m, opposite(sides[0]) - p)) <=
-                    tolerance;
+        is_convex = plane(sides[0].triangle).is_below(opposite(sides[1])) &&
+                    plane(sides[1].triangle).is_below(opposite(sides[0]));
         if (length(cross(n, m)) > constants::touch_tolerance)
-            convex.edges.push_back(
-                {.point = p, .normals = {n, m}, .along = points[sides[0].high] - p});
+            convex.edges.push_back({.point = points[sides[0].low],
+                                    .normals = {n, m},
+                                    .along = points[sides[0].high] - points[sides[0].low]});
     });
     if (!is_convex || convex.points.size() + triangles.size() != edges + 2 ||
         !winds_once(surface, convex.points))
         return std::nullopt;
+    // Edges that are convex but for rounding may add up to a groove.
+    if (static_cast<double>(convex.points.size()) * static_cast<double>(triangles.size()) <=
+        static_cast<double>(constants::parting_products))
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+            const FacePlane face = plane(t);
+            if (face.height > tolerance &&
+                !std::ranges::all_of(convex.points, [&](Vec3d p) { return face.is_below(p); }))
+                return std::nullopt;
+        }
     const auto less = [](Vec3d a, Vec3d b) {
         return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
     };

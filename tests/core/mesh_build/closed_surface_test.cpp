@@ -241,6 +241,27 @@ TEST(ClosedSurfaceTest, WallsThatCrossAreLeftOut) {
         }
 }
 
+// Each box is a closed patch whose middles of triangles lie in the other one, or in a third one.
+TEST(ClosedSurfaceTest, ClosedPartsThatStickOutOfOthersStay) {
+    MeshData small = scenes::box({-0.8f, -0.8f, -0.8f}, {0.8f, 0.8f, 0.8f});
+    // Its diagonal lies along x.
+    const Vec3d x = normalized(Vec3d{1, 1, 1}), y = normalized(cross(Vec3d{0, 0, 1}, x)),
+                z = cross(x, y);
+    for (Vec3f& p : small.positions) {
+        const Vec3d from = to_double(p);
+        p = to_float({dot(x, from), dot(y, from), dot(z, from)});
+    }
+    const MeshData whole = scenes::joined(scenes::box({-1, -1, -1}, {1, 1, 1}), small);
+    MeshData open = whole;
+    open.triangles.push_back({{0, 1, 2}});  // a scrap: the mesh is not closed
+    open.positions.insert(open.positions.end(), {{5, 0, 0}, {5, 1, 0}, {5, 0, 1}});
+    const auto n = static_cast<std::uint32_t>(open.positions.size());
+    open.triangles.back() = {{n - 3, n - 2, n - 1}};
+    const auto [closed, inside] = solid(open);
+    EXPECT_EQ(inside.left_out_triangles, 1u);
+    expect_same_inside(closed, whole, 0, "with a scrap");
+}
+
 TEST(ClosedSurfaceTest, OpeningsAreNoHoles) {
     MeshData crate = scenes::box({0, 0, 0}, {1, 1, 3});
     std::erase_if(crate.triangles, [&](const Triangle& t) {

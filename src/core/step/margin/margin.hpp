@@ -7,6 +7,7 @@
 #include "core/step/common/gather.hpp"
 #include "core/step/common/step_tools.hpp"
 #include "core/step/edges/edge_chords.hpp"
+#include "core/step/margin/join_edge_pairs.hpp"
 #include "core/step/margin/margin_stages.hpp"
 #include "core/step/margin/near_edge_pairs.hpp"
 #include "core/step/solids/join_batch.hpp"
