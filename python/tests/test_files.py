@@ -215,6 +215,41 @@ def test_primitives_of_gltf(twice, materials, extra, tmp_path):
     assert sorted(part.pose[0] for part in parts) == [0, 5][: 1 + twice]
 
 
+def test_a_node_that_is_named_like_a_primitive_keeps_its_place(tmp_path):
+    """trimesh leaves line loops out, so that the hand's mesh has one primitive."""
+    points = np.asarray([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4")
+    blobs = [points.tobytes(), np.arange(3, dtype="<u4").tobytes()]
+    triangle = {"attributes": {"POSITION": 0}, "indices": 1}
+    place = {"componentType": 5126, "count": 3, "type": "VEC3", "min": [0] * 3, "max": [1, 1, 0]}
+    document = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"mesh": 0, "name": "arm", "children": [1]},
+            {"mesh": 1, "name": "arm_hand", "translation": [5, 0, 0]},
+        ],
+        "meshes": [{"primitives": [triangle]}, {"primitives": [triangle, {**triangle, "mode": 2}]}],
+        "buffers": [
+            {
+                "byteLength": sum(map(len, blobs)),
+                "uri": "data:;base64," + base64.b64encode(b"".join(blobs)).decode(),
+            }
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 36},
+            {"buffer": 0, "byteOffset": 36, "byteLength": 12},
+        ],
+        "accessors": [
+            {**place, "bufferView": 0},
+            {"bufferView": 1, "componentType": 5125, "count": 3, "type": "SCALAR"},
+        ],
+    }
+    (tmp_path / "arm.gltf").write_text(json.dumps(document))
+    parts = files.read_parts(tmp_path / "arm.gltf")
+    assert [(part.name, part.pose[0]) for part in parts] == [("arm", 0), ("arm_hand", 5)]
+
+
 def test_groups_of_an_obj_file(tmp_path):
     lines = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0", "v 0 0 1", "f 1 2 3 4"]
     lines += ["o arm", "f 1 2 5 # a face", "g left", "f 2/7 3/8 5/9", "o leg", "f -1 -2 -3"]

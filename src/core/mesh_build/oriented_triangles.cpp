@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <utility>
 
 #include "core/mesh/half_edges.hpp"
@@ -119,8 +120,15 @@ OrientedTriangles oriented_triangles(std::span<const Vec3f> positions,
 std::vector<bool> OrientedTriangles::open_patches(std::size_t vertex_count) const {
     std::vector<bool> is_open(patches, false);
     HalfEdges(triangles, vertex_count).for_each_edge([&](std::span<const HalfEdge> sides) {
-        if (is_balanced(sides)) return;
-        for (const HalfEdge& side : sides) is_open[patch[side.triangle]] = true;
+        const bool is_plain = sides.size() == 2 &&
+                              patch[sides[0].triangle] == patch[sides[1].triangle] &&
+                              is_balanced(sides);
+        if (is_plain) return;
+        std::map<std::uint32_t, int> more_forward;  // by patch
+        for (const HalfEdge& side : sides)
+            more_forward[patch[side.triangle]] += side.forward ? 1 : -1;
+        for (const auto& [its_patch, more] : more_forward)
+            if (more != 0) is_open[its_patch] = true;
     });
     return is_open;
 }

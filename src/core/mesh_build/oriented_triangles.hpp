@@ -20,7 +20,7 @@ struct OrientedTriangles {
     std::vector<std::uint32_t> patch;
     std::uint32_t patches = 0;
 
-    /// Per patch: some of its edges lack a triangle, or have one too many.
+    /// Per patch: some of its edges lack a triangle of its own, or have one too many.
     std::vector<bool> open_patches(std::size_t vertex_count) const;
 
     /// Makes a triangle face the other way.
