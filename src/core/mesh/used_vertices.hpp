@@ -22,9 +22,8 @@ inline std::vector<bool> used_vertices(std::span<const Triangle> triangles, std:
 inline std::vector<std::uint32_t> stand_ins(std::span<const Triangle> triangles,
                                             std::size_t vertices) {
     const std::vector<bool> used = used_vertices(triangles, vertices);
-    std::vector<std::uint32_t> result;
-    for (std::uint32_t v = 0; v < vertices; ++v)
-        result.push_back(used[v] ? v : triangles[0].vertex[0]);
+    std::vector<std::uint32_t> result(vertices);
+    for (std::uint32_t v = 0; v < vertices; ++v) result[v] = used[v] ? v : triangles[0].vertex[0];
     return result;
 }
 

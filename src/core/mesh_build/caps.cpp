@@ -253,8 +253,8 @@ std::vector<Cap> caps_of(std::span<const Vec3f> positions, std::span<const Trian
     caps.reserve(loops.size() + 1);
     for (const Loop& loop : loops) caps.push_back(filler.fill(loop));
     caps.push_back(cap_of_gaps(seams, loops, caps));
-    std::vector<bool> joined;
-    for (std::size_t i = 0; i < loops.size(); ++i) joined.push_back(caps[i].triangles.empty());
+    std::vector<bool> joined(loops.size());
+    for (std::size_t i = 0; i < loops.size(); ++i) joined[i] = caps[i].triangles.empty();
     for (const NearLoops& near : near_loops(positions, loops, constants::gap_width * mean_edge)) {
         if (joined[near.first] || joined[near.second]) continue;
         Cap across = filler.fill(

@@ -20,7 +20,6 @@
 #include "core/mesh_build/facing_of_parts.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
 #include "core/mesh_build/self_intersections.hpp"
-#include "core/mesh_build/winding_tree.hpp"
 
 namespace pierce {
 namespace {

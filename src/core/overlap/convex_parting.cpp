@@ -83,7 +83,7 @@ std::vector<Vec3d> face_normals(const PlacedSurface& surface, const HalfEdges& s
 /// The plane of a triangle with its normal, which may be borrowed.
 struct FacePlane {
     Vec3d point, normal;
-    double height, tolerance;  ///< [length] of the triangle, and of its corners
+    double height = 0, tolerance = 0;  ///< [length] of the triangle, and of its corners
 
     /// True unless `p` is above the plane for certain: the less high a triangle is, the more does
     /// the rounding of its corners tilt it. A borrowed normal is not tilted.
@@ -114,7 +114,8 @@ bool winds_once(const PlacedSurface& surface, const std::vector<Vec3d>& points) 
 /// A closed surface is convex if it is at each edge, in one piece, so that it has two vertices and
 /// faces more than edges (Euler), and winds around its inside once, which a star may not.
 std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
-    const auto& [points, triangles] = surface;
+    const auto& points = surface.points;
+    const auto& triangles = surface.triangles;
     ConvexSurface convex;
     const std::vector<bool> is_used = used_vertices(triangles, points.size());
     Box box;
