@@ -133,8 +133,10 @@ std::optional<ConvexSurface> convex_surface(const PlacedSurface& surface) {
     if (std::ranges::any_of(normals, [](Vec3d n) { return length_squared(n) == 0; }))
         return std::nullopt;
     const auto plane = [&](std::size_t t) {
-        return FacePlane{points[triangles[t].vertex[0]], normals[t],
-                         Apex(points, triangles[t]).height, tolerance};
+        return FacePlane{.point = points[triangles[t].vertex[0]],
+                         .normal = normals[t],
+                         .height = Apex(points, triangles[t]).height,
+                         .tolerance = tolerance};
     };
     bool is_convex = true;
     std::size_t edges = 0;
