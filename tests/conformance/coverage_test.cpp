@@ -17,6 +17,7 @@
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
+#include "support/welded.hpp"
 
 namespace pierce {
 namespace {
@@ -669,13 +670,8 @@ TEST_P(CoverageTest, ReprojectedDepthsOfSpheresAreDistancesToTheSurface) {
 
 /// Two unit cubes that have an edge in common, and four triangles there.
 MeshData cubes_at_an_edge() {
-    MeshData mesh = scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}),
-                                   scenes::box({1, 1, 0}, {2, 2, 1}));
-    for (Triangle& t : mesh.triangles)
-        for (std::uint32_t& v : t.vertex)
-            v = static_cast<std::uint32_t>(std::ranges::find(mesh.positions, mesh.positions[v]) -
-                                           mesh.positions.begin());
-    return mesh;
+    return test::welded(
+        scenes::joined(scenes::box({0, 0, 0}, {1, 1, 1}), scenes::box({1, 1, 0}, {2, 2, 1})));
 }
 
 TEST_P(CoverageTest, CubesAtAnEdgeThatOnlyTouchAnotherOneHaveNoDepth) {

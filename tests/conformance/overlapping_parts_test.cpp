@@ -9,6 +9,7 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/closest_point.hpp"
@@ -18,6 +19,7 @@
 #include "support/backends.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
+#include "support/welded.hpp"
 
 namespace pierce {
 namespace {
@@ -85,11 +87,7 @@ MeshData fine_box(Vec3f lower, Vec3f upper, int n) {
                     mesh.triangles.push_back(other);
                 }
         }
-    for (Triangle& t : mesh.triangles)
-        for (std::uint32_t& v : t.vertex)
-            v = static_cast<std::uint32_t>(std::ranges::find(mesh.positions, mesh.positions[v]) -
-                                           mesh.positions.begin());
-    return mesh;
+    return test::welded(std::move(mesh));
 }
 
 // Faces of two parts that lie in one plane and face the same way are the surface of the union.
@@ -222,12 +220,8 @@ TEST(CoveredTrianglesTest, OnlyWhatLiesInOtherPartsIsCovered) {
 /// Two boxes side by side along x with common vertices, and with or without the two walls between
 /// them.
 MeshData two_rooms(bool with_walls) {
-    MeshData both = joined(scenes::box({-2, -1, -1}, {0, 1, 1}),
-                           scenes::box({0, -1, -1}, {2, 1, 1}));
-    for (Triangle& t : both.triangles)
-        for (std::uint32_t& v : t.vertex)
-            v = static_cast<std::uint32_t>(std::ranges::find(both.positions, both.positions[v]) -
-                                           both.positions.begin());
+    MeshData both = test::welded(
+        joined(scenes::box({-2, -1, -1}, {0, 1, 1}), scenes::box({0, -1, -1}, {2, 1, 1})));
     if (!with_walls)
         std::erase_if(both.triangles, [&](const Triangle& t) {
             return std::ranges::all_of(t.vertex,

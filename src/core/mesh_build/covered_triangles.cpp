@@ -98,6 +98,7 @@ private:
         }
         return result;
     }
+
     std::span<const Vec3f> positions_;
     std::span<const Triangle> triangles_;
     const std::vector<Box>& boxes_;

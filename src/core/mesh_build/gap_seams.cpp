@@ -9,12 +9,14 @@
 #include "core/base/disjoint_sets.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/mesh_build/missing_edges.hpp"
+#include "core/mesh_build/triangle_groups.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 
 namespace pierce {
 namespace {
 
+/// Finds which vertices of borders belong together, and sews the edges between them.
 class Seamstress {
 public:
     Seamstress(std::span<const Vec3f> positions, std::vector<MissingEdge> edges)
@@ -80,7 +82,7 @@ private:
     void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
         if (a == b || b == c || c == a) return;
         seams_.triangles.push_back({{a, b, c}});
-        seams_.area += 0.5 * length(cross(place(b) - place(a), place(c) - place(a)));
+        seams_.area += area_of(positions_, seams_.triangles.back());
     }
     void close_between(MissingEdge one, MissingEdge other) {
         add(one.from, one.to, other.from);
