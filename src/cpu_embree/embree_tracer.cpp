@@ -9,12 +9,17 @@
 #include "core/device/view.hpp"
 #include "cpu_embree/embree_tree.hpp"
 #include "pierce/error.hpp"
+#include "pierce/min_max.hpp"
 
 namespace pierce {
 namespace {
 
 using embree::Tree;
 using embree::TreeKind;
+
+/// One thread looks from so many points, one after the other: what is closest to one is near the
+/// next, which limits its search.
+constexpr std::uint32_t points_in_a_row = 16;
 
 /// The tree of a deforming body, and the mesh and positions that the tree was last fitted to.
 struct MovingTree {
@@ -187,11 +192,19 @@ void EmbreeTracer::closest_triangles(TbbExecutor& executor, View<const BodyView>
                                      std::uint32_t count, View<const Ray> rays,
                                      View<std::uint32_t> triangles) {
     State& s = *state_;
-    executor.for_each(count, [&](std::uint32_t i) {
+    const auto look_from = [&](std::uint32_t i, std::uint32_t known) {
         const std::uint32_t target = rays[i].target;
         triangles[i] = closest_triangle(
             rays[i], bodies[target].surface(),
-            [&](ClosestSearch& search) { s.trees[target]->show_near(search); });
+            [&](ClosestSearch& search) { s.trees[target]->show_near(search, known); });
+    };
+    executor.for_each_task((count + points_in_a_row - 1) / points_in_a_row, [&](std::uint32_t row) {
+        const std::uint32_t begin = row * points_in_a_row,
+                            end = min_of(begin + points_in_a_row, count);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const bool has_known = i > begin && rays[i - 1].target == rays[i].target;
+            look_from(i, has_known ? triangles[i - 1] : no_triangle);
+        }
     });
 }
 

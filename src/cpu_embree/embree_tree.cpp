@@ -1,6 +1,7 @@
 #include "cpu_embree/embree_tree.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/surface.hpp"
+#include "core/trace/bvh/point_sieve.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
@@ -110,18 +111,32 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
 /// One point on its way through Embree.
 struct Tree::PointQuery {
     ClosestSearch* search = nullptr;
+    bvh::PointSieve sieve;
     double slack = 0;  ///< how much further than the search's limit Embree looks
 
     float radius() const { return round_up(search->limit() + slack); }
+
+    void test(std::uint32_t triangle) {
+        if (triangle == search->triangle()) return;
+        const Surface& surface = search->surface();
+        const Triangle& t = surface.triangles[triangle];
+        // Covered triangles do not count, and the sieve would let them hide others.
+        if (surface.covered.size > 0 ||
+            sieve.may_be_closest(surface.positions[t.vertex[0]], surface.positions[t.vertex[1]],
+                                 surface.positions[t.vertex[2]]))
+            search->test(triangle);
+    }
 };
 
-void Tree::show_near(ClosestSearch& search) const {
+void Tree::show_near(ClosestSearch& search, std::uint32_t known) const {
     // The point rounds by half an ulp of its largest coordinate along each axis, and Embree's
     // distances by three ulp. These add up to less than 8 ulp of that coordinate and of the box's.
     double furthest = 0;
     for (int k = 0; k < 3; ++k) furthest = max_of(std::fabs(search.point()[k]), furthest);
     PointQuery query{&search,
+                     {search.point(), search.limit(), reach_},
                      2.0 * static_cast<double>(margin_) + constants::slab_margin * furthest};
+    if (known != no_triangle) query.test(known);
     RTCPointQueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     rtcInitPointQueryContext(&context);
     const Vec3f at = to_float(search.point());
@@ -130,8 +145,8 @@ void Tree::show_near(ClosestSearch& search) const {
 }
 
 bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
-    const PointQuery& query = *static_cast<const PointQuery*>(arguments->userPtr);
-    query.search->test(arguments->primID);
+    PointQuery& query = *static_cast<PointQuery*>(arguments->userPtr);
+    query.test(arguments->primID);
     // To tell Embree about a closer triangle, it is enough to shorten the radius.
     const float before = arguments->query->radius;
     arguments->query->radius = min_of(query.radius(), before);

@@ -29,8 +29,9 @@ public:
     /// The triangle the ray crosses first; adds the number of triangles tested to `tests`.
     Hit trace(const Ray& ray, std::uint32_t& tests) const;
 
-    /// Shows a search all triangles that may be closest to its point.
-    void show_near(ClosestSearch& search) const;
+    /// Shows a search all triangles that may be closest to its point. `known`: one of them that is
+    /// probably near, or no_triangle.
+    void show_near(ClosestSearch& search, std::uint32_t known) const;
 
     std::uint32_t triangle_count() const { return surface_.triangles.size; }
 

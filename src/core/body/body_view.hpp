@@ -112,6 +112,11 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
     PIERCE_HD bool is_simple() const { return mesh.simple && motion != Motion::deforming; }
 };
 
+/// The box around a body's positions, in the space of the positions.
+PIERCE_HD inline const Box& positions_box(const BodyView& body) {
+    return body.motion == Motion::deforming ? body.world_box : body.mesh.box;
+}
+
 /// Two bodies whose boxes overlap, a < b; or a body that is looked for in itself, a = b.
 struct Pair {
     std::uint32_t a = 0;

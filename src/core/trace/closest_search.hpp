@@ -54,6 +54,7 @@ public:
     }
 
     PIERCE_HD Vec3d point() const { return point_; }
+    PIERCE_HD const Surface& surface() const { return surface_; }
     /// Triangles further away than this need not be tested; those exactly as far must be.
     PIERCE_HD double limit() const { return limit_; }
     /// Closest of those tested, or no_triangle.

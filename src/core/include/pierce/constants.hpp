@@ -38,8 +38,7 @@ inline constexpr float smallest_slope = 0x1p-60f, slope_per_coordinate = 0x1p-12
 inline constexpr std::uint32_t traversal_stack = 64;
 
 /// Cost of visiting a node of a tree and of testing a leaf, for reports [1] (Karras and Aila 2013).
-inline constexpr double node_cost = 1.2;
-inline constexpr double leaf_cost = 1.0;
+inline constexpr double node_cost = 1.2, leaf_cost = 1.0;
 
 /// Parts of a treelet. The best tree over n parts is found in 3^n / 2 steps; seven are enough
 /// (Karras and Aila 2013).
@@ -175,7 +174,6 @@ inline constexpr std::uint32_t separation_vertices = 4;
 
 /// Vertices per patch: few enough to be small against a body, enough to fill vector registers.
 inline constexpr std::uint32_t patch_size = 16;
-
 /// Patches per block: one register's width of them is culled at a time.
 inline constexpr std::uint32_t block_size = 16;
 
@@ -186,7 +184,6 @@ inline constexpr std::uint32_t group_size = 16;
 /// Cells along the longest side of a clearance grid. Measured on 100 tori: 96 and 128 save rays,
 /// but cost as much in cache misses, and up to eight times the memory.
 inline constexpr std::uint32_t grid_resolution = 64;
-
 /// Clearance is stored in one byte, in steps of this part of a cell [1 / cell].
 inline constexpr std::uint32_t clearance_steps_per_cell = 8;
 
@@ -204,7 +201,6 @@ inline constexpr std::uint32_t slab_fours_most = 8;
 /// Places in a clearance grid are rounded by less than this [cell]: they are below 2^7 cells, and
 /// eight roundings of float32 by half an ulp each lead to one.
 inline constexpr double slab_rounding = 0x1p-14;
-
 /// Of a segment that ends further away than this, slabs tell nothing [cell]: clipping it to the
 /// grid would round by more than 2^-20 of a cell.
 inline constexpr double slab_far = 0x1p30;
@@ -320,6 +316,9 @@ inline constexpr std::uint32_t few_ties = 16;
 /// What is near an edge is looked for all around it below this cosine between its triangles'
 /// normals, and from this touch tolerance over a triangle's height on [1].
 inline constexpr double wedge_cosine = -0.5, wedge_slack = 0.1;
+/// Between edges at an angle with at least this sine, the way at right angles to both is known as a
+/// unit vector to `way_slack` if it is longer than the touch tolerance of their coordinates [1].
+inline constexpr double edges_sine = 0.01, way_slack = 1e-6;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

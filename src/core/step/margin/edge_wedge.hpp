@@ -6,6 +6,7 @@
 #include "core/mesh/edge_normal.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/margin/thin_triangles.hpp"
+#include "core/step/margin/way_between.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
@@ -102,29 +103,6 @@ PIERCE_HD inline bool is_ridge(const BodyView& body, const Edge& edge, const Edg
                                     to_double(body.positions[edge.vertex[0]])) < -touch;
 }
 
-/// The plane through a segment at right angles to a triangle of which it is a side. What is nearest
-/// to a point inside the segment is not on the triangle's side of it.
-class WedgeSide {
-public:
-    PIERCE_HD WedgeSide(Vec3d from, Vec3d to, Vec3d opposite) : from_(from) {
-        const Vec3d along = to - from, side = opposite - from;
-        length_squared_ = length_squared(along);
-        normal_ = length_squared_ * side - dot(side, along) * along;
-        height_ = length(normal_);
-    }
-
-    /// True if no point of the segment from `a` to `b` that is nearer than `margin` is nearest to a
-    /// point inside this one, where directions may differ as EdgeWedge::faces() lets them.
-    PIERCE_HD bool excludes(Vec3d a, Vec3d b, double margin, double touch) const {
-        return min_of(dot(normal_, a - from_), dot(normal_, b - from_)) >
-               touch * (margin * length_squared_ + height_);
-    }
-
-private:
-    Vec3d from_, normal_;  // the normal times the triangle's height and the square of the length
-    double length_squared_, height_;
-};
-
 /// The wedge over an edge between two faces, in the space of a target.
 class EdgeWedge {
 public:
@@ -135,12 +113,14 @@ public:
             return to_space.to_parent(to_double(body.positions[v]));
         };
         from_ = at(edge.vertex[0]);
-        to_ = at(edge.vertex[1]);
         for (int k = 0; k < 2; ++k) opposite_[k] = at(faces.opposite[k]);
     }
 
-    /// The sides of its two faces.
-    PIERCE_HD WedgeSide side(int k) const { return {from_, to_, opposite_[k]}; }
+    /// True if faces() is certainly false of the direction of a way.
+    PIERCE_HD bool excludes(const WayBetween& way) const {
+        return way.leads_over(opposite_[0] - from_, 1, touch_) ||
+               way.leads_over(opposite_[1] - from_, 1, touch_);
+    }
 
     /// True if `direction`, unit, from a point of the edge and at right angles to it, leads away
     /// from both faces.
@@ -151,7 +131,7 @@ public:
 
 private:
     double touch_;
-    Vec3d from_, to_, opposite_[2];
+    Vec3d from_, opposite_[2];
 };
 
 /// Around all ways from a ridge that EdgeWedge::faces() is true for and that are not longer than

@@ -255,8 +255,8 @@ private:
         std::uint32_t directed = 0, edge = 0;
         double margin = 0, touch = 0;  ///< [length]
         PlacedEdge placed;
+        double largest = 0;  ///< coordinate of the target and of `placed`
         EdgeWedge wedge;
-        WedgeSide side[2];  ///< of the wedge
 
         /// The edge opposite to a corner, if it belongs to the triangle.
         template <class See>
@@ -266,13 +266,7 @@ private:
             const std::uint32_t k = corner == 2 ? 0 : corner + 1;
             if (!(features.own >> (3 + k) & 1u) || features.edge[k] == no_vertex) return;
             const RidgeEnds ends(target.surface(), {t, corner});
-            const Vec3d opposite = to_double(
-                target.positions[target.mesh.triangles[t].vertex[corner]]);
-            const WedgeSide over(ends.from, ends.to, opposite);
-            if (over.excludes(placed.a, placed.b, margin, touch) ||
-                side[0].excludes(ends.from, ends.to, margin, touch) ||
-                side[1].excludes(ends.from, ends.to, margin, touch))
-                return;
+            if (!may_meet(t, corner, ends)) return;
             const SegmentPlaces places = closest_points_of_segments(placed.a, placed.b, ends.from,
                                                                     ends.to);
             if (!(places.first > 0 && places.first < 1 && places.second > 0 && places.second < 1))
@@ -292,6 +286,20 @@ private:
             see({directed, edge, features.edge[k], t, corner, 0, places.first, places.second});
         }
 
+        /// False if the edges are certainly not closest to each other between their ends, within
+        /// the margin and with each one in the other's wedge.
+        PIERCE_HD bool may_meet(std::uint32_t t, std::uint32_t corner,
+                                const RidgeEnds& ends) const {
+            const WayBetween way(placed.a, placed.b, ends.from, ends.to, largest);
+            if (!way.is_known()) return true;
+            const auto over = [&] {
+                return to_double(target.positions[target.mesh.triangles[t].vertex[corner]]) -
+                       ends.from;
+            };
+            return !way.is_longer_than(margin) && !wedge.excludes(way) &&
+                   (may_have_thin(target) || !way.leads_over(over(), -1, touch));
+        }
+
         PIERCE_HD bool is_beside_thin(const RidgeEnds& ends, const EdgeFaces& faces) const {
             const auto is_thin = [&](int k) {
                 return is_degenerate(ends.from, ends.to,
@@ -306,15 +314,18 @@ private:
         const DirectedPair& d = directed[ridge.directed];
         const BodyView& source = bodies[d.source];
         const Edge& edge = source.mesh.edges[ridge.edge];
-        const EdgeWedge wedge(source, d.to_space, edge, ridge.faces, d.touch);
+        const PlacedEdge placed(source, d, edge);
+        Box around = positions_box(bodies[d.target]);
+        around.extend(placed.a);
+        around.extend(placed.b);
         return {bodies[d.target],
                 ridge.directed,
                 ridge.edge,
                 edge_margin_of(bodies, directed, ridge.directed),
                 d.touch,
-                {source, d, edge},
-                wedge,
-                {wedge.side(0), wedge.side(1)}};
+                placed,
+                around.max_coordinate(),
+                {source, d.to_space, edge, ridge.faces, d.touch}};
     }
 
     template <class See>

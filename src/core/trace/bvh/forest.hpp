@@ -137,9 +137,4 @@ PIERCE_HD inline BoxF leaf_box(const BodyView& body, std::uint32_t leaf) {
                 {last, last});
 }
 
-/// The box around a body's positions, in the space of the positions.
-PIERCE_HD inline const Box& positions_box(const BodyView& body) {
-    return body.motion == Motion::deforming ? body.world_box : body.mesh.box;
-}
-
 }  // namespace pierce::bvh
