@@ -27,16 +27,27 @@ struct alignas(16) QuickBox {
 
     PIERCE_HD bool empty() const { return !(lower.x <= upper.x); }
     PIERCE_HD void extend(Vec3f p) {
+#if defined(PIERCE_FOUR_LANES)
+        const Four at = Four::FourLanes{p.x, p.y, p.z, 0};
+        min_of(at, Four::at(&lower)).put(&lower);
+        max_of(at, Four::at(&upper)).put(&upper);
+#else
         for (int axis = 0; axis < 3; ++axis) {
             lower[axis] = quick_min(p[axis], lower[axis]);
             upper[axis] = quick_max(p[axis], upper[axis]);
         }
+#endif
     }
     PIERCE_HD void extend(const QuickBox& box) {
+#if defined(PIERCE_FOUR_LANES)
+        min_of(Four::at(&box.lower), Four::at(&lower)).put(&lower);
+        max_of(Four::at(&box.upper), Four::at(&upper)).put(&upper);
+#else
         for (int axis = 0; axis < 3; ++axis) {
             lower[axis] = quick_min(box.lower[axis], lower[axis]);
             upper[axis] = quick_max(box.upper[axis], upper[axis]);
         }
+#endif
     }
     /// Grown by `margin` on every side, and a little more.
     PIERCE_HD QuickBox inflated(float margin) const {
@@ -168,10 +179,19 @@ struct alignas(16) GridBoxes {
 
     /// Sets box k. An empty box ends before the first step, where no box begins.
     PIERCE_HD void set(std::uint32_t k, const BoxSteps& grid, const QuickBox& box) {
+#if defined(PIERCE_FOUR_LANES)
+        const Four::Bits begins = grid.at_end(box.lower, 0),
+                         ends = box.empty() ? Four::Bits{} : grid.at_end(box.upper, 1);
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis].set(k, static_cast<std::uint32_t>(begins[axis]));
+            upper[axis].set(k, static_cast<std::uint32_t>(ends[axis]) | top_bit);
+        }
+#else
         for (int axis = 0; axis < 3; ++axis) {
             lower[axis].set(k, grid.at(box.lower[axis], axis, 0));
             upper[axis].set(k, (box.empty() ? 0 : grid.at(box.upper[axis], axis, 1)) | top_bit);
         }
+#endif
     }
 
     /// A bit for each of the sixteen that may overlap `box`; an empty one gets none.
