@@ -1,7 +1,10 @@
 #include "cpu_embree/embree_tree.hpp"
+#include "core/device/bits.hpp"
+#include "core/device/four.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/trace/bvh/point_sieve.hpp"
+#include "core/trace/bvh/triangle_sieve.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
@@ -28,6 +31,7 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 struct Tree::Query {
     QueryContext context;
     CrossingSearch* search = nullptr;
+    bvh::TriangleSieve sieve;
     double start = 0;  ///< the place on our ray where Embree's ray begins
     double slack = 0;  ///< how much further than the search's limit Embree looks
     std::uint32_t tests = 0;
@@ -80,9 +84,8 @@ void Tree::refit(const Surface& surface, const Box& box) {
 
 Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     CrossingSearch search(ray, surface_);
-    Query query;
+    Query query{.context = {}, .search = &search, .sieve = bvh::TriangleSieve(ray)};
     init_context(query.context);
-    query.search = &search;
     query.slack = 2.0 * margin_ + surface_.touch;
     // Embree's float32 ray begins near the surface: far away its rounding would exceed the margin.
     double first = -std::numeric_limits<double>::infinity();
@@ -113,18 +116,36 @@ struct Tree::PointQuery {
     ClosestSearch* search = nullptr;
     bvh::PointSieve sieve;
     double slack = 0;  ///< how much further than the search's limit Embree looks
+    std::uint32_t waiting[Four::count] = {};  ///< triangles that are tested together
+    std::uint32_t count = 0;                  ///< of those
 
     float radius() const { return round_up(search->limit() + slack); }
 
-    void test(std::uint32_t triangle) {
-        if (triangle == search->triangle()) return;
-        const Surface& surface = search->surface();
-        const Triangle& t = surface.triangles[triangle];
+    void add(std::uint32_t triangle) {
+        waiting[count++] = triangle;
+        if (count == Four::count) test();
+    }
+    /// Tests those that wait.
+    void test() {
+        if (count == 0) return;
+        std::uint32_t tested = (1u << count) - 1;
         // Covered triangles do not count, and the sieve would let them hide others.
-        if (surface.covered.size > 0 ||
-            sieve.may_be_closest(surface.positions[t.vertex[0]], surface.positions[t.vertex[1]],
-                                 surface.positions[t.vertex[2]]))
-            search->test(triangle);
+        if (search->surface().covered.size == 0) {
+            for (std::uint32_t k = count; k < Four::count; ++k) waiting[k] = waiting[0];
+            const FourVec3 corners[3] = {corner(0), corner(1), corner(2)};
+            tested &= sieve.may_be_closest(corners);
+        }
+        count = 0;
+        for (; tested != 0; tested &= tested - 1) search->test(waiting[lowest_bit(tested)]);
+    }
+
+private:
+    FourVec3 corner(int k) const {
+        const Surface& surface = search->surface();
+        const auto at = [&](std::uint32_t lane) {
+            return surface.positions[surface.triangles[waiting[lane]].vertex[k]];
+        };
+        return FourVec3::of(at(0), at(1), at(2), at(3));
     }
 };
 
@@ -136,17 +157,21 @@ void Tree::show_near(ClosestSearch& search, std::uint32_t known) const {
     PointQuery query{&search,
                      {search.point(), search.limit(), reach_},
                      2.0 * static_cast<double>(margin_) + constants::slab_margin * furthest};
-    if (known != no_triangle) query.test(known);
+    if (known != no_triangle) {
+        query.add(known);
+        query.test();
+    }
     RTCPointQueryContext context;  // NOLINT(cppcoreguidelines-pro-type-member-init)
     rtcInitPointQueryContext(&context);
     const Vec3f at = to_float(search.point());
     RTCPointQuery embree_query{at.x, at.y, at.z, 0.0f, query.radius()};
     rtcPointQuery(scene_, &embree_query, &context, nullptr, &query);
+    query.test();
 }
 
 bool Tree::test_near(RTCPointQueryFunctionArguments* arguments) {
     PointQuery& query = *static_cast<PointQuery*>(arguments->userPtr);
-    query.test(arguments->primID);
+    query.add(arguments->primID);
     // To tell Embree about a closer triangle, it is enough to shorten the radius.
     const float before = arguments->query->radius;
     arguments->query->radius = min_of(query.radius(), before);
@@ -165,8 +190,14 @@ void Tree::bounds(const RTCBoundsFunctionArguments* arguments) {
 
 void Tree::intersect(const RTCIntersectFunctionNArguments* arguments) {
     Query& query = *reinterpret_cast<Query*>(arguments->context);
-    query.search->test(arguments->primID);
+    const Tree& tree = *static_cast<const Tree*>(arguments->geometryUserPtr);
+    const Triangle& t = tree.surface_.triangles[arguments->primID];
     ++query.tests;
+    if (!query.sieve.may_cross(tree.surface_.positions[t.vertex[0]],
+                               tree.surface_.positions[t.vertex[1]],
+                               tree.surface_.positions[t.vertex[2]]))
+        return;
+    query.search->test(arguments->primID);
     // To tell Embree about a hit, it is enough to shorten the ray.
     RTCRayHit& ray = *reinterpret_cast<RTCRayHit*>(arguments->rayhit);
     ray.ray.tfar = min_of(query.far_end(), ray.ray.tfar);

@@ -173,6 +173,11 @@ struct FourVec3 {
     PIERCE_HD static FourVec3 all(Vec3f v) { return {v.x, v.y, v.z}; }
 
 #if defined(PIERCE_FOUR_LANES)
+    static FourVec3 of(Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
+        using FourLanes = Four::FourLanes;
+        return {FourLanes{a.x, b.x, c.x, d.x}, FourLanes{a.y, b.y, c.y, d.y},
+                FourLanes{a.z, b.z, c.z, d.z}};
+    }
     /// Four points, each in the first twelve of sixteen bytes, and the numbers after them. The
     /// addresses are no array: GCC 12 would compute them in vector registers, by way of memory.
     static FourVec3 gathered(const void* at_a, const void* at_b, const void* at_c, const void* at_d,
@@ -192,6 +197,13 @@ struct FourVec3 {
     /// As for one vector: the sums are in the same order.
     friend Four quick_dot(FourVec3 a, FourVec3 b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
     friend Four sum_of_sizes(FourVec3 v) { return abs_of(v.x) + abs_of(v.y) + abs_of(v.z); }
+#else
+    PIERCE_HD static FourVec3 of(Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
+        const Vec3f all[Four::count] = {a, b, c, d};
+        return {Four::of([&](std::uint32_t k) { return all[k].x; }),
+                Four::of([&](std::uint32_t k) { return all[k].y; }),
+                Four::of([&](std::uint32_t k) { return all[k].z; })};
+    }
 #endif
 
     PIERCE_HD friend FourVec3 operator+(FourVec3 a, FourVec3 b) {

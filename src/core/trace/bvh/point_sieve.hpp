@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
+#include "core/device/four.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/quick_vec3.hpp"
 #include "core/trace/bvh/forest.hpp"
@@ -56,6 +58,33 @@ public:
         return !((least / distance) * (1 - constants::point_rounding) - lost > reach_);
     }
 
+    /// The same for four triangles side by side: a bit for each.
+    PIERCE_HD std::uint32_t may_be_closest(const FourVec3 (&corner)[3]) {
+        const FourVec3 a = relative(corner[0]), b = relative(corner[1]), c = relative(corner[2]),
+                       q = closest_to_origin(a, b, c);
+        const Four lost = Four(constants::point_rounding) *
+                              max_of(largest_of(a), max_of(largest_of(b), largest_of(c))) +
+                          Four(pad_),
+                   squared = dot(q, q);
+        std::uint32_t first = 0;
+        for (std::uint32_t k = 1; k < Four::count; ++k)
+            if (squared[k] < squared[first]) first = k;
+        const float most = quick_fma(std::sqrt(squared[first]), 1 + constants::point_rounding,
+                                     lost[first]);
+        const auto of_first = [&](const FourVec3& v) {
+            return Vec3f{v.x[first], v.y[first], v.z[first]};
+        };
+        if (most < reach_ &&
+            !may_be_degenerate(of_first(corner[0]), of_first(corner[1]), of_first(corner[2])))
+            shrink(most);
+        // With squares, as roots take long.
+        const Four least = max_of(min_of(dot(q, a), min_of(dot(q, b), dot(q, c))), 0),
+                   reach = Four(reach_) + lost;
+        return ~greater(least * least * Four(1 - 2 * constants::point_rounding),
+                        reach * reach * squared) &
+               Four::all_bits;
+    }
+
 private:
     /// True of every triangle for which is_degenerate() holds: in float32 the cross product is off
     /// by less than twice degenerate_area, as differences of corners are off by half an ulp.
@@ -69,6 +98,9 @@ private:
     }
 
     PIERCE_HD Vec3f relative(Vec3f v) const { return (v - high_) - low_; }
+    PIERCE_HD FourVec3 relative(const FourVec3& v) const {
+        return (v - FourVec3::all(high_)) - FourVec3::all(low_);
+    }
 
     /// Triangles further away than `distance` are not the closest one; NaN tells nothing.
     PIERCE_HD void shrink(float distance) {
@@ -108,6 +140,38 @@ private:
         return {quick_fma(w, ac.x, quick_fma(v, ab.x, a.x)),
                 quick_fma(w, ac.y, quick_fma(v, ab.y, a.y)),
                 quick_fma(w, ac.z, quick_fma(v, ab.z, a.z))};
+    }
+
+    /// The same for four triangles, without branches: what holds in an earlier branch is chosen
+    /// last.
+    PIERCE_HD static FourVec3 closest_to_origin(const FourVec3& a, const FourVec3& b,
+                                                const FourVec3& c) {
+        const FourVec3 ab = b - a, ac = c - a;
+        const Four d1 = -dot(ab, a), d2 = -dot(ac, a), d3 = -dot(ab, b), d4 = -dot(ac, b),
+                   d5 = -dot(ab, c), d6 = -dot(ac, c);
+        const Four va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2,
+                   sum = va + vb + vc, along_bc = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        Four v = vb / sum, w = vc / sum;
+        const auto choose = [&](Four none_is_positive, Four then_v, Four then_w) {
+            const Four positive = std::numeric_limits<float>::min();
+            v = where(none_is_positive, positive, then_v, v);
+            w = where(none_is_positive, positive, then_w, w);
+        };
+        choose(max_of(va, max_of(d3 - d4, d6 - d5)), Four(1) - along_bc, along_bc);
+        choose(max_of(vb, max_of(-d2, d6)), 0, d2 / (d2 - d6));
+        choose(max_of(vc, max_of(-d1, d3)), d1 / (d1 - d3), 0);
+        choose(max_of(-d6, d5 - d6), 0, 1);
+        choose(max_of(-d3, d4 - d3), 1, 0);
+        choose(max_of(d1, d2), 0, 0);
+        // At the first corner if the weights are none, or NaN.
+        const auto keep_if_less = [&](Four x, Four than) {
+            v = where(x, than, v, 0);
+            w = where(x, than, w, 0);
+        };
+        keep_if_less(-v, std::numeric_limits<float>::min());
+        keep_if_less(-w, std::numeric_limits<float>::min());
+        keep_if_less(v + w, 1 + constants::point_rounding);
+        return a + ab * v + ac * w;
     }
 
     Vec3f high_, low_;

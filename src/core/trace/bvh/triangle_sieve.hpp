@@ -37,6 +37,15 @@ public:
                std::uint32_t{may_cross(-shared, edge(d, b), edge(c, d), made_up)} << 1;
     }
 
+    /// The same for a triangle.
+    PIERCE_HD bool may_cross(Vec3f v0, Vec3f v1, Vec3f v2) const {
+        float size = 0;
+        const Vec3f a = sheared(v0, size), b = sheared(v1, size), c = sheared(v2, size);
+        return !(size > constants::quick_smallest) ||
+               may_cross(edge(c, b), edge(a, c), edge(b, a),
+                         constants::quick_rounding * size * size);
+    }
+
 private:
     PIERCE_HD static float edge(Vec3f a, Vec3f b) { return a.x * b.y - a.y * b.x; }
 

@@ -13,8 +13,6 @@
 namespace pierce::stages {
 namespace {
 
-Vec3d random_direction(test::Random& random) { return normalized(random.in_box(1)); }
-
 /// Two edges that are closest to each other somewhere between their ends, often nearly parallel,
 /// short, close to each other or far from the origin.
 struct Edges {
@@ -25,7 +23,7 @@ struct Edges {
         const auto small = [&](double least) { return std::exp2(random.uniform(least, 0)); };
         const double scale = std::exp2(random.integer(-20, 20));
         const Vec3d middle = random.in_box(random.integer(0, 1) == 0 ? 1 : 1000);
-        const Vec3d own = small(-10) * random_direction(random),
+        const Vec3d own = small(-10) * random.unit_vector(),
                     others = small(-10) * normalized(own + small(-40) * random.in_box(1)),
                     way = (random.integer(0, 1) == 0 ? 1 : -1) * small(-30) *
                           normalized(cross(own, others));
@@ -63,7 +61,7 @@ TEST(WayBetweenTest, NothingIsSaidOfAWayThatIsNotTrueOfIt) {
         // A place beside the edge, at a height near that from which on it is in the way.
         const Vec3d direction = (1 / distance) * way,
                     beside = std::exp2(random.uniform(-12, 4)) * distance *
-                             cross(direction, random_direction(random)),
+                             cross(direction, random.unit_vector()),
                     place = beside +
                             (1 + (random.integer(0, 1) == 0 ? apart : -apart)) * touch * direction;
         for (const double sign : {1.0, -1.0}) {

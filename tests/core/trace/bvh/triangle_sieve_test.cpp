@@ -14,7 +14,7 @@ namespace {
 /// among them.
 TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
     test::Random random(5);
-    int met = 0, left_out = 0;
+    int met = 0, left_out = 0, left_out_alone = 0;
     for (int i = 0; i < 200000; ++i) {
         const double scale = std::exp2(random.integer(-12, 12));
         const Vec3d place = random.in_box(scale * std::exp2(random.integer(-4, 10)));
@@ -33,20 +33,23 @@ TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
         ray.direction = random.unit_vector();
         ray.origin = at - random.uniform(-3, 3) * scale * ray.direction;
         if (i % 5 == 0) ray.origin = ray.origin + random.in_box(2 * scale);
-        const std::uint32_t may = TriangleSieve(ray).may_cross(corner[0], corner[1], corner[2],
-                                                               corner[3]);
+        const TriangleSieve sieve(ray);
+        const std::uint32_t may = sieve.may_cross(corner[0], corner[1], corner[2], corner[3]);
         for (std::size_t t = 0; t < 2; ++t) {
             const Crossing crossing = cross_triangle({ray.origin, ray.direction},
                                                      to_double(v[t][0]), to_double(v[t][1]),
                                                      to_double(v[t][2]));
-            ASSERT_TRUE((may >> t & 1) != 0 || crossing.kind == Crossing::none)
+            const bool may_alone = sieve.may_cross(v[t][0], v[t][1], v[t][2]);
+            ASSERT_TRUE(((may >> t & 1) != 0 && may_alone) || crossing.kind == Crossing::none)
                 << "seed " << random.seed() << ", case " << i << ", triangle " << t;
+            left_out_alone += !may_alone;
             met += crossing.kind != Crossing::none;
             left_out += (may >> t & 1) == 0;
         }
     }
     EXPECT_GT(met, 80000);
     EXPECT_GT(left_out, 100000);
+    EXPECT_GT(left_out_alone, 100000);
 }
 
 }  // namespace
