@@ -44,6 +44,8 @@ class Shape:
             self.solid = _core.Mesh.make(self._data, inside="winding")
         self._sheet: _core.Mesh | None = None
         self._is_convex = bool(mesh.is_convex)
+        # Vertices at the same place are one in a solid.
+        self._place = np.unique(self._data[0], axis=0, return_inverse=True)[1].ravel()
         corners = self.faces[:, [0, 1, 2, 0, 1, 2]], self.faces[:, [0, 1, 2, 1, 2, 0]]
         keys = self._keys(*corners).ravel()
         order = np.argsort(keys, kind="stable")
@@ -65,13 +67,8 @@ class Shape:
             self._sheet = _core.Mesh.make(self._data, inside="none")
         return self._sheet
 
-    def face(self, triangle: int) -> int:
-        """The face of a triangle that a contact names; -1 if it closes a hole."""
-        given = self.solid.given_triangle(triangle)
-        return -1 if given == _core.no_triangle else given
-
     def face_at(self, vertex: int, edge_end: int) -> int:
-        """A face that has the vertex or, if it has an end, the edge."""
+        """A face that has the vertex or, if it has an end, the edge; -1 if that closes a hole."""
         end = vertex if edge_end == _core.no_vertex else edge_end
         key = self._keys(np.array(vertex), np.array(end))
         place = int(np.searchsorted(self._edge_keys, key))
@@ -79,6 +76,7 @@ class Shape:
         return int(self._edge_faces[place]) if found else -1
 
     def _keys(self, v: NDArray[Any], w: NDArray[Any]) -> NDArray[np.int64]:
+        v, w = self._place[v], self._place[w]
         keys: NDArray[np.int64] = np.minimum(v, w) * len(self.vertices) + np.maximum(v, w)
         return keys
 

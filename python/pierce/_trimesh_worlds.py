@@ -67,7 +67,8 @@ class Bodies:
         from_a = bool(c.source[i] == _core.Side.a)
         source, target = (a, b) if from_a else (b, a)
         face = source.shape.face_at(int(c.vertex[i]), int(c.edge_end[i]))
-        faces = face, target.shape.face(int(c.triangle[i]))
+        given = self._mesh(target.shape).given_triangle(int(c.triangle[i]))
+        faces = face, -1 if given == _core.no_triangle else given
         if not from_a:
             faces = faces[::-1]
         if order[a] > order[b]:

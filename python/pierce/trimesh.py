@@ -32,7 +32,7 @@ What differs from FCL:
   half way between the two surfaces.
 * `normal` points from the object of the manager to the other mesh or the other manager's object,
   within a manager from the object added first to the other one.
-  `index()` is the face there, also of convex meshes.
+  `index()` is the face there, also of convex meshes; -1 where a hole of a solid was closed.
 * Transforms have to be rigid: a scale or a mirror is applied to the mesh, not to its place.
 
 Lengths are in the unit of the meshes.

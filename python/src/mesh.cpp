@@ -78,21 +78,23 @@ MeshData mesh_data_of(nb::handle given) {
 }
 
 MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint32_t threads,
-                         nb::handle progress) {
+                         nb::handle progress, std::shared_ptr<nb::object>* callback) {
     MeshOptions options{
         .inside = choice<Inside>(inside, "inside"), .cache = cache, .threads = threads};
-    if (!progress.is_none())
-        options.progress = [call = shared_object(nb::borrow(progress))](std::string_view what,
-                                                                        double share) {
-            const nb::gil_scoped_acquire gil;
-            try {
-                (*call)(nb::str(what.data(), what.size()), share);
-            } catch (nb::python_error& error) {
-                // Ctrl-C is raised again when the call is over.
-                if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
-                error.discard_as_unraisable("the progress callback of a mesh");
-            }
-        };
+    if (progress.is_none()) return options;
+    const std::shared_ptr<nb::object> shared = shared_object(nb::borrow(progress));
+    if (callback != nullptr) *callback = shared;
+    options.progress = [call = shared](std::string_view what, double share) {
+        const nb::gil_scoped_acquire gil;
+        if (!call->is_valid()) return;  // the garbage collector has cleared it
+        try {
+            (*call)(nb::str(what.data(), what.size()), share);
+        } catch (nb::python_error& error) {
+            // Ctrl-C is raised again when the call is over.
+            if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
+            error.discard_as_unraisable("the progress callback of a mesh");
+        }
+    };
     return options;
 }
 

@@ -20,9 +20,9 @@ MeshData mesh_data_of(nb::handle given);
 nb::tuple arrays_of(const MeshData& mesh);
 
 /// How a mesh is made, from the arguments of a call. `progress`: called with what is made and its
-/// share, or None.
+/// share, or None; its place is given to `callback`.
 MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint32_t threads,
-                         nb::handle progress);
+                         nb::handle progress, std::shared_ptr<nb::object>* callback = nullptr);
 
 void bind_meshes(nb::module_& module);
 

@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "casters.hpp"
+#include "without_gil.hpp"
 #include "world.hpp"
 
 namespace pierce::python {
@@ -35,7 +36,10 @@ void set_positions(PyWorld& self, nb::handle bodies, nb::handle positions) {
         throw nb::value_error(("positions: these bodies have " + std::to_string(vertices) +
                                " vertices, got " + std::to_string(rows.count) + " rows")
                                   .c_str());
-    world->set_device_positions(ids, static_cast<const Vec3f*>(rows.data));
+    {
+        const WithoutGil without_gil;  // it may measure meshes, which tells Python how far it is
+        world->set_device_positions(ids, static_cast<const Vec3f*>(rows.data));
+    }
     self.places.keep(ids, nb::borrow(positions));
     self.starts.keep(ids, {});
 }

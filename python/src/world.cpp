@@ -27,6 +27,11 @@ bool PyWorld::wants(BodyId a, BodyId b) {
     }
 }
 
+void PyWorld::keep_progress(std::shared_ptr<nb::object> callback) {
+    std::erase_if(progress, [](const auto& kept) { return kept.use_count() == 1; });
+    if (callback != nullptr) progress.push_back(std::move(callback));
+}
+
 void PyWorld::rethrow() {
     if (failure != nullptr) std::rethrow_exception(std::exchange(failure, nullptr));
 }
@@ -55,8 +60,10 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
         return Use(self)->add_mesh(shared);
     }
     MeshData data = mesh_data_of(mesh);
-    MeshOptions options = mesh_options(inside, cache, threads, progress);
+    std::shared_ptr<nb::object> callback;
+    MeshOptions options = mesh_options(inside, cache, threads, progress, &callback);
     const Use world(self);
+    self.keep_progress(std::move(callback));
     const Mesh* last = nullptr;
     if (nb::isinstance<Mesh>(before))
         last = &nb::cast<const Mesh&>(before);
@@ -81,14 +88,15 @@ void set_pair_filter(PyWorld& self, nb::object filter) {
     self.filter = filter.is_none() ? nb::object() : std::move(filter);
 }
 
-// A filter, such as a method of an object that has the world, may hold the world: the garbage
-// collector has to see that.
+// A filter or a callback, such as a method of an object that has the world, may hold the world: the
+// garbage collector has to see that.
 int visit_world(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
     if (!nb::inst_ready(self)) return 0;
     const PyWorld* world = nb::inst_ptr<PyWorld>(self);
     Py_VISIT(world->filter.ptr());
     Py_VISIT(world->stream.ptr());
+    for (const std::shared_ptr<nb::object>& callback : world->progress) Py_VISIT(callback->ptr());
     return 0;
 }
 int clear_world(PyObject* self) {
@@ -96,6 +104,7 @@ int clear_world(PyObject* self) {
     if (world->filter.is_valid()) world->world->set_pair_filter({});
     world->filter.reset();
     world->stream.reset();
+    for (const std::shared_ptr<nb::object>& callback : world->progress) callback->reset();
     return 0;
 }
 PyType_Slot world_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_world)},
@@ -281,7 +290,11 @@ void bind_steps(nb::class_<PyWorld>& c) {
             "save",
             [](PyWorld& w) {
                 std::ostringstream out(std::ios::binary);
-                Use(w)->save(out);
+                {
+                    const Use world(w);
+                    const WithoutGil without_gil;
+                    world->save(out);
+                }
                 const std::string bytes = out.str();
                 return nb::bytes(bytes.data(), bytes.size());
             },

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "kept_arrays.hpp"
 #include "pierce/world.hpp"
@@ -24,14 +25,18 @@ struct PyWorld {
     std::uint64_t steps = 0;  ///< that Python has run
     std::mutex busy;
     KeptArrays places, starts;
-    nb::object stream;           ///< kept while steps wait for it
-    nb::object filter;           ///< of pairs; the world calls it
-    std::exception_ptr failure;  ///< of the filter, in this call
+    nb::object stream;                                  ///< kept while steps wait for it
+    nb::object filter;                                  ///< of pairs; the world calls it
+    std::exception_ptr failure;                         ///< of the filter, in this call
+    std::vector<std::shared_ptr<nb::object>> progress;  ///< callbacks of meshes that were added as
+                                                        ///< arrays
 
     /// Asks the filter; what it throws is kept until the call is over, and the pair is left out.
     bool wants(BodyId a, BodyId b);
     /// To be called after calls that ask it: throws what it has thrown.
     void rethrow();
+    /// Keeps a callback of a mesh, and lets go of those that no mesh has any more.
+    void keep_progress(std::shared_ptr<nb::object> callback);
 
     PyWorld(std::shared_ptr<World> its_world, bool runs_on_device)
         : world(std::move(its_world)), on_device(runs_on_device) {}

@@ -305,6 +305,46 @@ def test_surfaces_collide_where_they_go_through_others():
     )
 
 
+def test_faces_are_those_of_the_mesh_as_it_was_given():
+    box = trimesh.creation.box((1, 1, 1))
+    doubled = trimesh.Trimesh(
+        box.vertices, np.vstack([box.faces[:1], box.faces]), process=False
+    )  # the solid leaves one of the two out, the surface has both
+    for face in range(len(doubled.faces)):
+        corners = doubled.vertices[doubled.faces[face]]
+        middle, out = corners.mean(axis=0), doubled.face_normals[face]
+        side = 0.05 * (corners[1] - corners[0])
+        tip = trimesh.Trimesh(
+            [middle - 0.05 * out, middle + 0.2 * out + side, middle + 0.2 * out - side],
+            [[0, 1, 2]],
+            process=False,
+        )
+        manager = CollisionManager()
+        manager.add_object("box", doubled)
+        hit, contacts = manager.in_collision_single(tip, return_data=True)
+        assert hit
+        allowed = {0, 1} if face < 2 else {face}
+        assert {contact.index("box") for contact in contacts} <= allowed
+
+
+def test_solids_whose_vertices_are_apart_have_the_faces_of_joined_ones():
+    box = trimesh.creation.box((1, 1, 1))
+    apart = trimesh.Trimesh(
+        box.vertices[box.faces].reshape(-1, 3), np.arange(36).reshape(-1, 3), process=False
+    )
+    other = trimesh.creation.torus(1, 0.3)
+    place = np.eye(4)
+    place[:3, 3] = [0.9, 0.45, 0.2]
+    found = []
+    for mesh in (box, apart):
+        manager = CollisionManager()
+        manager.add_object("box", mesh)
+        _, contacts = manager.in_collision_single(other, place, return_data=True)
+        found.append(len(contacts))
+        assert min(contact.index("box") for contact in contacts) >= 0
+    assert found[0] == found[1] > 0
+
+
 def test_distances_of_surfaces():
     manager = CollisionManager()
     manager.add_object("square", SQUARE)

@@ -424,7 +424,9 @@ def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
     assert sys.getrefcount(progress) == before
 
 
-@pytest.mark.parametrize("ask", [lambda w: w.plan, repr, lambda w: w.detect()])
+@pytest.mark.parametrize(
+    "ask", [lambda w: w.plan, repr, lambda w: w.detect(), lambda w: w.save()]
+)
 def test_measuring_meshes_tells_how_far_it_is(ask):
     """Python must be free to run, or the callback waits for it for ever."""
     calls = []
@@ -557,6 +559,20 @@ def test_a_pair_of_solids_and_sheets(two_tori):
         assert of_pair.sum() == len(part) > 0
         np.testing.assert_array_equal(part.distance, contacts.distance[of_pair])
         np.testing.assert_array_equal(part.of_sheet, contacts.of_sheet[of_pair])
+
+
+def test_a_progress_callback_may_hold_its_world():
+    class Simulation:
+        def __init__(self):
+            self.world = pierce.World("reference")
+            self.world.add_mesh(torus(), progress=self.tell)
+
+        def tell(self, what, share):
+            self.told = what, share
+
+    simulations = [weakref.ref(Simulation()) for _ in range(3)]
+    gc.collect()
+    assert [simulation() for simulation in simulations] == [None] * 3
 
 
 def test_a_mesh_that_worlds_share_stays():

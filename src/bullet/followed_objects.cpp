@@ -56,8 +56,10 @@ FollowedObjects::Kind FollowedObjects::kind_of(const btCollisionObject& object) 
         .proxy = proxy != nullptr ? proxy->getUid() : -1,
         .fixed = object.isStaticObject() && proxy != nullptr && meets_no_other_like_it(*proxy)};
     if (soft == nullptr) {
-        if (kind.shape != nullptr && is_triangle_mesh(*kind.shape))
+        if (kind.shape != nullptr && is_triangle_mesh(*kind.shape)) {
+            kind.shape_mark = mark_of(*kind.shape);
             kind.size = size_of(*kind.shape);
+        }
         return kind;
     }
     kind.nodes = soft->m_nodes.size();
@@ -153,10 +155,11 @@ void FollowedObjects::leave_to_bullet(const btCollisionObject& object, std::stri
 /// The mesh of a shape; bodies with the same shape share it. A null handle if the shape is no
 /// triangle mesh.
 MeshId FollowedObjects::mesh_for(const btCollisionShape& shape) {
-    if (const auto known = meshes_.find(&shape); known != meshes_.end()) return known->second;
+    const std::pair key(&shape, mark_of(shape));
+    if (const auto known = meshes_.find(key); known != meshes_.end()) return known->second;
     std::optional<MeshData> data = mesh_of(shape);
     if (!data) return {};
-    return meshes_[&shape] = coupling_.world().add_mesh(shape.getName(), *std::move(data));
+    return meshes_[key] = coupling_.world().add_mesh(shape.getName(), *std::move(data));
 }
 
 FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "bullet/coupling.hpp"
@@ -40,6 +41,7 @@ private:
         const btCollisionObject* object = nullptr;
         const void* mark = nullptr;  ///< that bound objects have, and new ones have not
         const btCollisionShape* shape = nullptr;
+        std::uint64_t shape_mark = 0;         ///< mark_of() a rigid object's shape
         std::array<std::uint32_t, 9> size{};  ///< scaling and local box of a rigid object's shape,
                                               ///< as the bits of float32
         int proxy = 0;  ///< Bullet's number of the object in its broad phase; some broad phases use
@@ -70,7 +72,8 @@ private:
     std::vector<Kind> seen_;  ///< the objects of Bullet's world, in its order
     std::unordered_map<const btCollisionObject*, Made> made_;
     std::unordered_map<const btCollisionObject*, Kind> alone_;  ///< those that are not followed
-    std::map<const btCollisionShape*, MeshId> meshes_;
+    std::map<std::pair<const btCollisionShape*, std::uint64_t>, MeshId> meshes_;  ///< by shape and
+                                                                                  ///< its mark
     std::map<MeshId, int> users_;  ///< bodies with a mesh that was made here
     std::vector<LeftToBullet> left_;
 };

@@ -37,6 +37,8 @@ struct WrittenPoint {
 
 struct PairAlgorithm::Manifolds {
     std::vector<btPersistentManifold*> manifolds;
+    std::vector<bool> has_begun;  ///< per manifold: Bullet was told so, and not yet that it has
+                                  ///< ended; a program that empties one tells that it has
     std::vector<WrittenPoint> points;  ///< theirs; a program may have removed some, or added others
     std::uint32_t written = 0;
 
@@ -48,7 +50,9 @@ struct PairAlgorithm::Manifolds {
 /// Leaves the manifolds empty.
 PointMap PairAlgorithm::Manifolds::take_points() {
     PointMap found;
-    for (btPersistentManifold* manifold : manifolds) {
+    for (std::size_t m = 0; m < manifolds.size(); ++m) {
+        btPersistentManifold* const manifold = manifolds[m];
+        has_begun[m] = manifold->getNumContacts() > 0;
         for (int i = 0; i < manifold->getNumContacts(); ++i) {
             const btManifoldPoint& point = manifold->getContactPoint(i);
             const auto known = std::ranges::find_if(points, [&](const WrittenPoint& w) {
@@ -69,20 +73,23 @@ void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const Contac
                                           const ContactSide& b, const Points& added) {
     const std::size_t needed = (added.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
     while (manifolds.size() > needed) {
-        if (gContactEndedCallback != nullptr) (*gContactEndedCallback)(manifolds.back());
+        if (gContactEndedCallback != nullptr && has_begun.back())
+            (*gContactEndedCallback)(manifolds.back());
         dispatcher.releaseManifold(manifolds.back());
         manifolds.pop_back();
+        has_begun.pop_back();
     }
-    const std::size_t before = manifolds.size();
-    while (manifolds.size() < needed)
+    while (manifolds.size() < needed) {
         manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
+        has_begun.push_back(false);
+    }
     for (std::size_t i = 0; i < added.size(); ++i) {
         const auto& [feature, point] = added[i];
         manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(point);
         points.push_back({point.m_localPointA, point.m_localPointB, feature});
     }
-    for (std::size_t m = before; m < needed && gContactStartedCallback != nullptr; ++m)
-        (*gContactStartedCallback)(manifolds[m]);
+    for (std::size_t m = 0; m < needed && gContactStartedCallback != nullptr; ++m)
+        if (!has_begun[m]) (*gContactStartedCallback)(manifolds[m]);
 }
 
 namespace {

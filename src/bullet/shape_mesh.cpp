@@ -1,11 +1,17 @@
 #include "bullet/shape_mesh.hpp"
 
 #include <BulletCollision/CollisionShapes/btConcaveShape.h>
+#include <BulletCollision/CollisionShapes/btScaledBvhTriangleMeshShape.h>
 #include <BulletCollision/CollisionShapes/btTriangleCallback.h>
+#include <BulletCollision/CollisionShapes/btTriangleMeshShape.h>
+#include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <BulletSoftBody/btSoftBody.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstddef>
+#include <cstring>
 #include <map>
 #include <span>
 #include <tuple>
@@ -33,6 +39,39 @@ public:
     std::vector<Corners> triangles;
 };
 
+const btStridingMeshInterface* arrays_of(const btCollisionShape& shape) {
+    if (const auto* scaled = dynamic_cast<const btScaledBvhTriangleMeshShape*>(&shape))
+        return arrays_of(*scaled->getChildShape());
+    if (const auto* still = dynamic_cast<const btTriangleMeshShape*>(&shape))
+        return still->getMeshInterface();
+    const auto* moving = dynamic_cast<const btGImpactMeshShape*>(&shape);
+    return moving != nullptr ? moving->getMeshInterface() : nullptr;
+}
+
+/// Adds up things, in their order.
+class Hash {
+public:
+    void add(std::uint64_t value) { sum_ = (sum_ ^ value) * 0x100000001b3ull; }
+    /// The first words of a few items of an array, evenly apart.
+    void add_some(const unsigned char* items, int count, int stride, int words) {
+        constexpr int most = 8;
+        const int step = (count + most - 1) / most;
+        for (int i = 0; i < count; i += step)
+            for (int w = 0; w < words; ++w) {
+                std::uint32_t word = 0;
+                std::memcpy(&word,
+                            items + static_cast<std::ptrdiff_t>(i) * stride +
+                                w * static_cast<std::ptrdiff_t>(sizeof word),
+                            sizeof word);
+                add(word);
+            }
+    }
+    std::uint64_t sum() const { return sum_; }
+
+private:
+    std::uint64_t sum_ = 0xcbf29ce484222325ull;
+};
+
 /// [length^3] Of a closed surface, or with cones to the first vertex in its holes; negative if it
 /// faces inward.
 double volume_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
@@ -58,6 +97,27 @@ bool is_triangle_mesh(const btCollisionShape& shape) {
         default:
             return false;
     }
+}
+
+std::uint64_t mark_of(const btCollisionShape& shape) {
+    Hash hash;
+    const btStridingMeshInterface* arrays = arrays_of(shape);
+    for (int part = 0; arrays != nullptr && part < arrays->getNumSubParts(); ++part) {
+        const unsigned char *vertices = nullptr, *triangles = nullptr;
+        int vertex_count = 0, vertex_stride = 0, triangle_count = 0, triangle_stride = 0;
+        PHY_ScalarType vertex_type = PHY_FLOAT, index_type = PHY_INTEGER;
+        arrays->getLockedReadOnlyVertexIndexBase(&vertices, vertex_count, vertex_type,
+                                                 vertex_stride, &triangles, triangle_stride,
+                                                 triangle_count, index_type, part);
+        hash.add(std::bit_cast<std::uintptr_t>(vertices));
+        hash.add(std::bit_cast<std::uintptr_t>(triangles));
+        hash.add(static_cast<std::uint64_t>(vertex_count));
+        hash.add(static_cast<std::uint64_t>(triangle_count));
+        hash.add_some(vertices, vertex_count, vertex_stride, vertex_type == PHY_DOUBLE ? 6 : 3);
+        if (index_type == PHY_INTEGER) hash.add_some(triangles, triangle_count, triangle_stride, 3);
+        arrays->unLockReadOnlyVertexBase(part);
+    }
+    return hash.sum();
 }
 
 double volume_of(const Mesh& mesh) { return volume_of(mesh.positions(), mesh.triangles()); }

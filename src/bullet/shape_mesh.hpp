@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "pierce/mesh.hpp"
@@ -10,6 +11,10 @@ class btSoftBody;
 namespace pierce::bullet {
 
 bool is_triangle_mesh(const btCollisionShape& shape);
+
+/// A number that tells triangle meshes apart: a hash of how large their arrays are, of where these
+/// lie and of a few of their vertices and triangles. The same for all shapes of other types.
+std::uint64_t mark_of(const btCollisionShape& shape);
 
 /// The triangles of a shape that is a triangle mesh, in its own frame, with its scale; nothing for
 /// any other shape. Corners at the same place become one vertex. A mesh that faces inward as a

@@ -36,6 +36,10 @@ SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RCont
       friction_(source.m_cfg.kDF * contact.m_cti.m_colObj->getFriction()),
       dt_(source.m_sst.sdt),
       stays_(grip != nullptr) {
+    // As in Bullet's own solver, hardness is of the depth that the step begins with: motion into
+    // the target is taken away as a whole.
+    const btScalar begin = margin_ - normal_.dot(node_->m_q);
+    left_ = (1 - contact.m_c4) * btMax(btScalar(0), begin);
     held_ = node_->m_q;
     if (grip == nullptr) return;
     grip_ = *grip;
@@ -94,12 +98,8 @@ void SoftContactRow::move(const btVector3& way) {
 }
 
 void SoftContactRow::solve() {
-    const btScalar hardness = rigid_ != nullptr ? rigid_->m_c4 : btScalar(1);  // the shares of a
-                                                                               // soft contact
-                                                                               // include the
-                                                                               // hardness
-    const btScalar depth = margin_ - normal_.dot(from_target());
-    const btScalar push = btMax(btScalar(0), push_ + hardness * depth);
+    const btScalar depth = margin_ - left_ - normal_.dot(from_target());
+    const btScalar push = btMax(btScalar(0), push_ + depth);
     move(normal_ * (push - push_));
     push_ = push;
 

@@ -45,7 +45,9 @@ private:
     btSoftBody::Node* node_;
     btVector3 normal_;
     btScalar margin_, friction_, dt_ = 0;
-    bool stays_;  ///< the node holds on to a place of the step before, unless it slides
+    btScalar left_ = 0;  ///< [length] depth in a rigid target that this step does not take away; of
+                         ///< soft ones, the contact's shares include the hardness
+    bool stays_;         ///< the node holds on to a place of the step before, unless it slides
     Grip grip_;
     btVector3 held_;  ///< of rigid targets: the place before the step
     btScalar push_ = 0;

@@ -27,6 +27,17 @@ std::vector<SourceNode> source_nodes(btSoftBody& source, const Contact& c) {
     return nodes;
 }
 
+/// How easily a place of a face moves: not at all if one of its nodes is held, as in Bullet, whose
+/// solver moves all three.
+btScalar share_of(const btSoftBody::Face& face, const btVector3& weights) {
+    btScalar share = 0;
+    for (int k = 0; k < 3; ++k) {
+        if (face.m_n[k]->m_im <= 0) return 0;
+        share += face.m_n[k]->m_im * weights[k];
+    }
+    return share;
+}
+
 /// Pushes `node` out of the half space below the plane through the point `through` with unit normal
 /// `normal`.
 void add_plane_contact(btSoftBody& soft, btSoftBody::Node& node, const btCollisionObject& object,
@@ -74,8 +85,7 @@ void add_soft_soft(btSoftBody& source, btSoftBody::Face& face, const btSoftBody&
     for (const SourceNode& from : source_nodes(source, contact)) {
         btSoftBody::Node& node = *from.node;
         const btScalar node_share = node.m_im;
-        const btScalar face_share = face.m_n[0]->m_im * w[0] + face.m_n[1]->m_im * w[1] +
-                                    face.m_n[2]->m_im * w[2];
+        const btScalar face_share = share_of(face, w);
         const btScalar both = node_share + face_share;
         if (both <= 0) continue;
         btSoftBody::SContact soft{};

@@ -413,5 +413,21 @@ TEST(InstallTest, BindingAgainEndsTheLastBinding) {
     scene.bullet_world.removeRigidBody(second.get());
 }
 
+TEST(InstallTest, BindingASoftBodyAgainLeavesNoContactWithItsLastFaces) {
+    BoundWorld scene;
+    const MeshId mesh = scene.world.add_mesh("ball", scenes::sphere(1, 2));
+    const auto first = scene.add_soft(scenes::sphere(1, 2), 0),
+               second = scene.add_soft(scenes::sphere(1, 2), 1.5);
+    scene.installed.bind(*first, scene.world.add_deforming_body(mesh));
+    scene.installed.bind(*second, scene.world.add_deforming_body(mesh));
+    scene.step();
+    EXPECT_GT(first->m_scontacts.size() + second->m_scontacts.size(), 0);
+    scene.installed.bind(*second, scene.world.add_deforming_body(mesh));
+    EXPECT_EQ(first->m_scontacts.size(), 0);
+    EXPECT_EQ(second->m_scontacts.size(), 0);
+    scene.step();
+    for (const auto& soft : {&first, &second}) scene.bullet_world.removeSoftBody(soft->get());
+}
+
 }  // namespace
 }  // namespace pierce

@@ -260,5 +260,35 @@ TEST(SoftSolverTest, TwoBodiesThatMeetKeepTheirMomentum) {
     EXPECT_LT(velocity(a).x(), first - 0.5) << "they have met";
 }
 
+TEST(SoftSolverTest, NodesThatAreHeldStayWhereTheyAre) {
+    SoftScene scene({0, 0, -1});
+    btSoftBody& held = scene.add(ring, {0, 0, 3}, {0, 0, 0});
+    for (int i = 0; i < held.m_nodes.size(); i += 6) held.setMass(i, 0);
+    const std::vector<btVector3> before = places(held);
+    btSoftBody& other = scene.add(ring, {1, 0, 4.2f}, {0, 0, -3});
+    other.setTotalMass(5);
+    bool have_met = false;
+    for (int i = 0; i < 2 * steps_per_second; ++i) {
+        scene.step();
+        have_met = have_met || scene.contact_count() > 0;
+        for (int n = 0; n < held.m_nodes.size(); n += 6)
+            ASSERT_EQ(held.m_nodes[n].m_x, before[static_cast<std::size_t>(n)]) << "step " << i;
+    }
+    EXPECT_TRUE(have_met);
+}
+
+TEST(SoftSolverTest, SoftContactsCarryABody) {
+    for (const btScalar hardness : {btScalar(0.1), btScalar(1)}) {  // 0.1 is Bullet's default
+        SoftScene scene(down);
+        btSoftBody& soft = scene.add(ring, {0, 0, 0.6f}, {0, 0, 0});
+        soft.m_cfg.kKHR = hardness;
+        soft.m_cfg.piterations = 1;
+        for (int i = 0; i < 4 * steps_per_second; ++i) scene.step();
+        btScalar lowest = 1;
+        for (const btVector3& place : places(soft)) lowest = btMin(place.z(), lowest);
+        EXPECT_GT(lowest, hardness < 1 ? -0.1 : -0.03) << "hardness " << hardness;
+    }
+}
+
 }  // namespace
 }  // namespace pierce

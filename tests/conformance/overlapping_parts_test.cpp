@@ -266,6 +266,28 @@ TEST_P(OverlappingPartsTest, ContactsDoNotEndAtWallsWithin) {
     }
 }
 
+TEST_P(OverlappingPartsTest, AVertexOnAWallThatIsPartlyWithinIsAsDeepAsTheUnion) {
+    const MeshData target = joined(fine_box({0, 0, 0}, {4, 4, 4}, 1),
+                                   fine_box({2, 1, 1}, {6, 5, 3}, 1));
+    for (const double margin : {0.0, 0.1})
+        for (const float from : {1.5f, 1.999f, 2.0f, 2.001f}) {
+            SCOPED_TRACE("from " + std::to_string(from) + ", margin " + std::to_string(margin));
+            World world(GetParam().make(), {.margin = margin});
+            world.add_fixed_body(world.add_mesh("two", target));
+            world.add_rigid_body(
+                world.add_mesh("small", fine_box({0, 0, 0}, {0.5f, 0.5f, 0.5f}, 1)),
+                {{static_cast<double>(from), 1.5, 1.5}, {}});
+            world.detect();
+            std::vector<int> seen(8, 0);
+            for (const Contact& c : world.contacts()) {
+                EXPECT_EQ(c.source, Side::b);
+                EXPECT_GE(c.penetration_depth(), 1.5 - 1e-6) << "vertex " << c.vertex;
+                if (!c.is_edge()) ++seen[c.vertex];
+            }
+            EXPECT_EQ(std::ranges::count(seen, 1), 8);
+        }
+}
+
 TEST_P(OverlappingPartsTest, VerticesAreInContactWhereTheUnionIs) {
     std::size_t contacts = 0, by_rays = 0;
     for (std::uint32_t seed = 1; seed <= 16; ++seed) {

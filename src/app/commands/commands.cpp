@@ -53,8 +53,17 @@ void require_rays(World* world, const fs::path& png) {
 }
 
 scenes::SceneSetup scene_of(const RunOptions& options) {
-    return scenes::make_scene(options.scene,
-                              {options.count, options.soft, options.seed, options.nodes});
+    scenes::SceneSetup scene = scenes::make_scene(
+        options.scene, {options.count, options.soft, options.seed, options.nodes});
+    // A recording keeps what was asked for.
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+        const bool is_sheet = std::ranges::any_of(scene.bodies, [&](const scenes::SceneBody& b) {
+            return b.mesh == m && b.collision.sheet;
+        });
+        if (!is_sheet && scene.meshes[m].inside == Inside::automatic)
+            scene.meshes[m].inside = options.detection.rays.inside;
+    }
+    return scene;
 }
 
 bool has_own_size(const scenes::SceneSetup& scene) {

@@ -75,27 +75,43 @@ bool is_output(const CLI::Option& option) {
     return !option.get_positional() && (type == "FILE" || type == "OUT");
 }
 
-/// True if a file is `input`, or one that a recording in the folder `input` consists of.
-bool is_read(const std::filesystem::path& file, const std::filesystem::path& input) {
+/// True if a recording in the folder may consist of the file.
+bool is_of_recording(const std::filesystem::path& file, const std::filesystem::path& folder) {
     std::error_code none;
-    if (!std::filesystem::is_regular_file(file, none)) return false;
-    if (std::filesystem::equivalent(file, input, none)) return true;
+    // A folder that is not there yet is not made absolute by weakly_canonical().
+    const auto whole = [&](const std::filesystem::path& path) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none), none);
+    };
     const std::string name = file.filename(), type = file.extension();
-    return std::filesystem::equivalent(std::filesystem::absolute(file).parent_path(), input,
-                                       none) &&
+    return whole(file) == whole(folder / file.filename()) &&
            (name == "scene.json" || type == ".npy" || type == ".obj");
 }
 
-/// What a command reads is not written over.
+/// True if a file is `input`, or one that a recording in the folder `input` consists of.
+bool is_read(const std::filesystem::path& file, const std::filesystem::path& input) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(file, none) &&
+           (std::filesystem::equivalent(file, input, none) || is_of_recording(file, input));
+}
+
+/// What a command reads is not written over, nor what it records.
 void check_outputs(const CLI::App& command) {
+    const auto check = [&](const CLI::Option& output, const CLI::Option& option,
+                           const auto& is_there, const char* what) {
+        for (const std::string& file : output.results())
+            for (const std::string& name : option.results())
+                if (is_there(file, name))
+                    throw CLI::ValidationError(
+                        output.get_name(),
+                        fmt::format("would replace '{}', which is {}", file, what));
+    };
     for (const CLI::Option* output : command.get_options()) {
         if (!is_output(*output)) continue;
-        for (const CLI::Option* input : command.get_options())
-            for (const std::string& file : output->results())
-                for (const std::string& name : input->results())
-                    if (input->get_positional() && is_read(file, name))
-                        throw CLI::ValidationError(output->get_name(),
-                                                   "would replace '" + file + "', which is read");
+        for (const CLI::Option* option : command.get_options())
+            if (option->get_positional())
+                check(*output, *option, is_read, "read");
+            else if (option->get_name() == "--record")
+                check(*output, *option, is_of_recording, "of the recording");
     }
 }
 

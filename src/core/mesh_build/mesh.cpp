@@ -70,6 +70,7 @@ struct Mesh::Parts {
                                         ///< empty as above
     MeshArrays<MeshVector> arrays;
     MeshView view;
+    MeshView first_view;  ///< without what is made later, so that it needs no lock
     std::optional<MeshCache> cache;
     bool is_cached = false;                    ///< the cache was asked
     bool is_changed = false;                   ///< it comes from another mesh
@@ -149,6 +150,7 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     workers.side_by_side(
         "boxes", [&] { measure_boxes(); }, [&] { find_edges(); }, [&] { measure_patches(before); });
     see_arrays();
+    first_view = view;
 }
 
 /// Decides what is inside, and with which triangles. Returns their sides.
@@ -315,6 +317,7 @@ const MeshInside& Mesh::inside() const { return parts_->inside; }
 MeshView Mesh::view() const { return view(MeshNeeds::all()); }
 
 MeshView Mesh::view(const MeshNeeds& needs) const {
+    if (needs == MeshNeeds{}) return parts_->first_view;
     const std::lock_guard guard(parts_->lock);
     parts_->make(needs);
     // Steps must not depend on what others have needed.

@@ -1,6 +1,8 @@
 #include "core/step/memory_check.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "core/body/body_view.hpp"
 #include "core/device/view.hpp"
@@ -91,6 +93,13 @@ private:
         const Known k = known(i / 2);
         if (!k.is_known) return;
         const BodyView &source = k.source(i % 2), &target = k.target(i % 2);
+        const PairMemory& m = memory_.directed[i];
+        // Of bodies that stay where they are, both directions go on or neither.
+        const bool rigid = source.motion != Motion::deforming && target.motion != Motion::deforming;
+        const double limit = rigid ? std::min(source.mesh.box.extent(), target.mesh.box.extent())
+                                   : std::numeric_limits<double>::infinity();
+        require(m.odometer >= 0 && m.odometer < limit && m.step >= 0 && std::isfinite(m.step) &&
+                std::isfinite(m.at_full));
         if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
         const std::uint32_t first = memory_.directed[i].first_block,
                             count = block_count(source.mesh);

@@ -51,8 +51,9 @@ bool is_update(StageId stage) {
 
 class RayDetector : public Detector {
 public:
-    RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings)
-        : scene_(scene, std::move(backend), settings) {
+    RayDetector(const SceneSetup& scene, std::unique_ptr<Backend> backend, const Settings& settings,
+                const MeshOptions& options)
+        : scene_(scene, std::move(backend), settings, options) {
         for (const SceneBody& body : scene.bodies) meshes_.push_back(body.mesh);
         is_placed_.assign(scene.bodies.size(), false);
     }
@@ -327,7 +328,8 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
                                         const RaySettings& rays) {
     switch (method) {
         case Method::rays:
-            return make_detector(scene, make_backend(rays), rays.world);
+            return std::make_unique<RayDetector>(scene, make_backend(rays), rays.world,
+                                                 rays.mesh_options());
         case Method::gjk_epa:
             return std::make_unique<BulletDetector>(scene, bullet::Baseline::gjk_epa);
         case Method::gjk_hull:
@@ -344,7 +346,7 @@ std::unique_ptr<Detector> make_detector(const SceneSetup& scene, Method method,
 
 std::unique_ptr<Detector> make_detector(const SceneSetup& scene, std::unique_ptr<Backend> backend,
                                         const Settings& settings) {
-    return std::make_unique<RayDetector>(scene, std::move(backend), settings);
+    return std::make_unique<RayDetector>(scene, std::move(backend), settings, MeshOptions{});
 }
 
 void put_frame(Detector& detector, const Recording& recording, std::uint32_t frame) {

@@ -69,6 +69,23 @@ TEST_F(AppTest, ReplaysTheContactsOfARunFrameByFrame) {
     }
 }
 
+TEST_F(AppTest, ReplaysAskWhatIsInsideAsTheyAreTold) {
+    const auto contacts = [&](const std::string& command) {
+        EXPECT_EQ(pierce(command + " --json " + path("all.json")).code, 0) << command;
+        return read("all.json")["summary"]["contacts"];
+    };
+    const std::string run = "run tori --count 3 --seconds 1 ", replay = "replay " + path("motion");
+    const json none = contacts(run + "--inside none --record " + path("motion"));
+    EXPECT_EQ(contacts(replay), none) << "the recording says so";
+    EXPECT_EQ(contacts(replay + " --inside closed"), none);
+    const json solid = contacts(run + "--record " + path("motion"));
+    EXPECT_NE(solid, none);
+    EXPECT_EQ(contacts(replay), solid);
+    EXPECT_NE(contacts(replay + " --inside none"), solid);
+    EXPECT_EQ(contacts(replay + " --mesh-cache " + path("cache")), solid);
+    EXPECT_FALSE(fs::is_empty(folder / "cache"));
+}
+
 TEST_F(AppTest, RefusesTwoFilesOfOneName) {
     const auto refused = [&](const std::string& command) {
         const Outcome outcome = pierce(command);
@@ -86,8 +103,9 @@ TEST_F(AppTest, RefusesToReplaceWhatItReads) {
     for (const std::string command :
          {"check a.obj --json ./a.obj", "check a.obj --fix a.obj",
           "detect a.obj a.obj --html a.obj", "replay motion --json motion/scene.json",
-          "explain motion --vertex 0 --json "
-          "motion/body_1.npy"}) {
+          "explain motion --vertex 0 --json motion/body_1.npy",
+          "run tori --count 1 --seconds 0.1 --record motion --json motion/scene.json",
+          "run tori --count 1 --seconds 0.1 --record new --png ./new/mesh_0.obj"}) {
         const Outcome outcome = pierce(command, folder);
         EXPECT_EQ(outcome.code, 2) << command;
         EXPECT_THAT(outcome.text, HasSubstr("would replace")) << command;

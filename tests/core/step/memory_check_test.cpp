@@ -3,6 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <vector>
+
+#include "core/body/body_view.hpp"
+#include "core/device/view.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "pierce/error.hpp"
 
@@ -55,6 +60,31 @@ TEST(MemoryCheckTest, KeysAreInOrder) {
     EXPECT_THROW(check(memory, {}, {}, no_mesh), InputError);
     memory.pair_keys = {1, 2};
     EXPECT_NO_THROW(check(memory, {}, {}, no_mesh));
+}
+
+// Where only one direction of a pair goes on, a step would take over half of its contacts.
+TEST(MemoryCheckTest, BothDirectionsOfAPairGoOn) {
+    StepMemory memory = memory_of_a_pair();
+    memory.identities[0].a = {0, 1};
+    memory.contact_keys.clear();
+    memory.ages.clear();
+    memory.contacts.clear();
+    std::vector<BodyView> bodies(2);
+    for (BodyView& body : bodies) {
+        body.motion = Motion::rigid;
+        body.mesh.box = {{0, 0, 0}, {1, 1, 1}};
+    }
+    const std::vector<BodyId> ids{{0, 1}, {1, 1}};
+    const auto check_it = [&] { check(memory, view_of(bodies), view_of(ids), no_mesh); };
+    EXPECT_NO_THROW(check_it());
+    for (const double odometer : {-1.0, 9.0, std::numeric_limits<double>::quiet_NaN()}) {
+        memory.directed[1].odometer = odometer;
+        EXPECT_THROW(check_it(), InputError) << odometer;
+    }
+    memory.directed[1].odometer = 0.5;
+    EXPECT_NO_THROW(check_it());
+    memory.directed[0].step = std::numeric_limits<double>::infinity();
+    EXPECT_THROW(check_it(), InputError);
 }
 
 TEST(MemoryCheckTest, PairsThatAreNoMoreAreForgotten) {

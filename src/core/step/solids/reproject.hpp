@@ -177,9 +177,9 @@ private:
         const double depth = length(way);
         if (!(is_known || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
-        // The closest point of a triangle that is covered partly may lie in another part.
-        if (!touches && surface.covered.size > 0 && surface.covered[triangle] != Cover::none)
-            return false;
+        // The closest point of a triangle that is covered partly may lie in another part, also
+        // where the ray begins.
+        if (surface.covered.size > 0 && surface.covered[triangle] != Cover::none) return false;
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);
         hits[candidate] = {triangle};
