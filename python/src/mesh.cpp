@@ -109,7 +109,7 @@ void bind_meshes(nb::module_& module) {
         "no_triangles",       "not_finite",        "bad_index",       "border_edge",
         "flipped_edge",       "non_manifold_edge", "inside_out",      "degenerate_triangle",
         "duplicate_triangle", "opposite_triangle", "bowtie_vertex",   "no_inward_direction",
-        "self_intersection",  "unused_vertex",     "duplicate_vertex"};
+        "self_intersection",  "unused_vertex",     "duplicate_vertex", "out_of_range"};
     for (std::uint32_t k = 0; k < mesh_defect_count; ++k) {
         const auto value = static_cast<MeshDefect>(k);
         defect.value(defects[k], value, std::string(meaning(value)).c_str());

@@ -1,6 +1,7 @@
 #include "pages.hpp"
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -47,7 +48,7 @@ json json_of(nb::handle value) {
 
 void make_page(PyPage* self, nb::handle_t<PyWorld> world, std::string title, nb::dict names,
                double dt, bool reasons) {
-    std::vector<std::string> by_index;
+    std::map<BodyId, std::string> of_bodies;
     const Use asked(nb::cast<PyWorld&>(world));
     for (const auto& [body, name] : names) {
         BodyId id;
@@ -55,12 +56,11 @@ void make_page(PyPage* self, nb::handle_t<PyWorld> world, std::string title, nb:
         if (!nb::try_cast(body, id) || !nb::try_cast(name, text))
             throw nb::type_error("names: a dict of bodies and strings");
         asked->mesh_of(id);  // throws for what is no body of the world
-        by_index.resize(std::max<std::size_t>(by_index.size(), std::size_t{id.index} + 1));
-        by_index[id.index] = std::move(text);
+        of_bodies[id] = std::move(text);
     }
     new (self) PyPage{nb::borrow(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
                                              .title = std::move(title),
-                                             .body_names = std::move(by_index),
+                                             .body_names = std::move(of_bodies),
                                              .dt = dt,
                                              .reasons = reasons})};
 }

@@ -112,7 +112,7 @@ def test_a_click_selects_and_explains(browser, pile):
     ).stdout
     reason = answer.strip().splitlines()[-1]
     assert reason.startswith("No contact") and reason in page
-    assert f"pierce explain {pile / 'motion'} --frame 89 --bodies {body}" in page
+    assert f"pierce explain '{pile / 'motion'}' --frame 89 --bodies {body}" in page
     # A click on a body selects its nearest vertex.
     x, y = browser.run(
         "const { data, stage, bodies, contacts } = player;"
@@ -310,6 +310,44 @@ def test_sheets_and_bodies_that_come_and_go(browser, tmp_path):
     said = browser.text("details")
     assert "Why it has no contact" in said or "Its contacts" in said
     assert "not on this page" not in said
+    assert browser.complaints() == []
+
+
+def test_what_explains_a_vertex_asks_as_the_page_was_made(browser, pile):
+    command(
+        *("replay", pile / "motion", "--threads", 1, "--html", pile / "vertices.html"),
+        *("--coverage", "vertices", "--reproject", "off", "--margin", 0.125, "--inside", "closed"),
+    )
+    browser.open(pile / "vertices.html", "#f=3&v=1:0")
+    options = "--coverage vertices --reproject off --margin 0.125 --inside closed"
+    assert f"pierce explain '{pile / 'motion'}' {options} --frame 3" in browser.text("details")
+
+
+def test_left_out_bodies_names_and_vertices_that_are_no_more(browser, tmp_path):
+    world = pierce.World(threads=1)
+    mesh = world.add_mesh(box(), name="box")
+    first, second = (world.add_rigid_body(mesh) for _ in range(2))
+    world.set_filter(second, pierce.Filter(world=3))
+    page = pierce.Page(world, names={first: "drone"})
+    world.set_world_active(3, False)
+    world.detect()
+    page.add()
+    world.remove_body(first)
+    later = world.add_rigid_body(world.add_mesh(torus(), name="ring"))
+    world.detect()
+    page.add()
+    world.set_mesh(later, mesh)
+    world.detect()
+    page.add()
+    page.write(str(tmp_path / "bodies.html"))
+    browser.open(tmp_path / "bodies.html", "#f=0&v=1:0")
+    assert "the body was left out of the step" in browser.text("details")
+    browser.run("player.select({body: 0, vertex: 0})")
+    assert "outside of the boxes of all other bodies of the step" in browser.text("details")
+    names = browser.run("return player.data.bodies.map((body) => body.name)")
+    assert names == ["drone", "box", "ring"]
+    browser.run("player.go(2); player.select({body: 2, vertex: 40})")
+    assert "no such vertex in this frame" in browser.text("details")
     assert browser.complaints() == []
 
 

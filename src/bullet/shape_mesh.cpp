@@ -40,12 +40,23 @@ public:
 };
 
 const btStridingMeshInterface* arrays_of(const btCollisionShape& shape) {
-    if (const auto* scaled = dynamic_cast<const btScaledBvhTriangleMeshShape*>(&shape))
-        return arrays_of(*scaled->getChildShape());
-    if (const auto* still = dynamic_cast<const btTriangleMeshShape*>(&shape))
-        return still->getMeshInterface();
-    const auto* moving = dynamic_cast<const btGImpactMeshShape*>(&shape);
-    return moving != nullptr ? moving->getMeshInterface() : nullptr;
+    switch (shape.getShapeType()) {
+        case TRIANGLE_MESH_SHAPE_PROXYTYPE:
+        case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+            return static_cast<const btTriangleMeshShape&>(shape).getMeshInterface();
+        case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
+            return static_cast<const btScaledBvhTriangleMeshShape&>(shape)
+                .getChildShape()
+                ->getMeshInterface();
+        case GIMPACT_SHAPE_PROXYTYPE: {
+            const auto& moving = static_cast<const btGImpactShapeInterface&>(shape);
+            return moving.getGImpactShapeType() == CONST_GIMPACT_TRIMESH_SHAPE
+                       ? static_cast<const btGImpactMeshShape&>(moving).getMeshInterface()
+                       : nullptr;
+        }
+        default:
+            return nullptr;
+    }
 }
 
 /// Adds up things, in their order.

@@ -29,7 +29,8 @@ static_assert(same(PIERCE_NO_INWARD_DIRECTION, MeshDefect::no_inward_direction))
 static_assert(same(PIERCE_SELF_INTERSECTION, MeshDefect::self_intersection));
 static_assert(same(PIERCE_UNUSED_VERTEX, MeshDefect::unused_vertex));
 static_assert(same(PIERCE_DUPLICATE_VERTEX, MeshDefect::duplicate_vertex));
-static_assert(mesh_defect_count == PIERCE_DUPLICATE_VERTEX + 1);
+static_assert(same(PIERCE_OUT_OF_RANGE, MeshDefect::out_of_range));
+static_assert(mesh_defect_count == PIERCE_OUT_OF_RANGE + 1);
 
 constexpr pierce_mesh_check_options default_options{
     .struct_size = sizeof(pierce_mesh_check_options),

@@ -20,7 +20,8 @@ std::vector<Contact> World::gather_contacts(int root) const {
     const std::exception_ptr failure = failure_of([&] {
         if (root < 0 || root >= ranks())
             throw InputError("there is no rank " + std::to_string(root));
-        if (s.detected && !s.inside.planned)
+        // What is saved is planned, but no step has seen it.
+        if (s.detected && (!s.inside.planned || s.inside.plan.revision != s.revision))
             throw InputError(
                 "gather_contacts needs a detect() after bodies were added, removed or changed");
         const stages::PairKeys keys{s.by_world};

@@ -42,11 +42,13 @@ void World::State::agree_on_news() {
     const std::vector<std::string> all = comm.all_gather(mine);
     const std::vector<BodyId> added = std::exchange(news, {}).added;
     has_news = false;
+    heard.clear();
     try {
         together([&] { take_in_news(all); });
     } catch (...) {
         // As long as two ranks have the same body, every step fails.
         news.added = added;
+        heard.insert(added.begin(), added.end());
         has_news = true;
         throw;
     }

@@ -144,8 +144,10 @@ void World::remove_body(BodyId body) {
     };
     std::erase_if(s.news.excluded, is_of_body);
     std::erase_if(s.news.included, is_of_body);
-    // Others need not hear of one that they have never heard of.
-    if (std::erase(s.news.added, body) == 0) s.news.removed.push_back(body);
+    // Another rank may have added one of that number. Where it has added the same one, and a step
+    // was refused, its own stays.
+    if (std::erase(s.news.added, body) == 0 || !s.heard.contains(body))
+        s.news.removed.push_back(body);
     s.has_news = s.own_changed = true;
 }
 
@@ -268,6 +270,7 @@ const StepStats& World::detect() {
     });
     s.motions.clear();
     s.by_world = !s.inside.world_begins.empty();
+    s.revision = s.inside.plan.revision;
     s.detected = true;
     return s.local.stats();
 }

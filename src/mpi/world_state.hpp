@@ -70,6 +70,7 @@ struct World::State {
     std::vector<double> work;  ///< per rank, in the last step
 
     News news;
+    std::set<BodyId> heard;  ///< bodies in `news.added` that a step was refused for
     bool has_news = true;
     bool forgets_sides = false;
     std::set<std::uint32_t> changed_bodies;           ///< own ones that others have to get anew
@@ -82,6 +83,7 @@ struct World::State {
     std::optional<StepMemory> handed;  ///< what the next step is to remember
     bool by_world = false;             ///< how pairs of the last step's contacts are written
     bool detected = false;             ///< the last step has not failed
+    std::uint64_t revision = 0;        ///< of the plan of the last step
     std::vector<BodyId> motions;       ///< own bodies that move in the step that is being taken
 
     /// Throws on all ranks what make(), which makes `local`, throws on one.

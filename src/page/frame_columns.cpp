@@ -116,12 +116,14 @@ void FrameStore::pack_meshes(PackedArrays& arrays, json& description) const {
 void FrameStore::pack_places(PackedArrays& arrays, json& description, bool rounded) const {
     const std::size_t count = bodies_.size();
     std::vector<std::uint32_t> mesh_of(frames_.size() * count, no_mesh);
+    std::vector<std::uint8_t> left_out(frames_.size() * count, 0);
     std::vector<std::vector<float>> places(count);
     for (std::size_t f = 0; f < frames_.size(); ++f) {
         for (std::size_t b = 0; b < count; ++b)
             if (bodies_[b].motion != Motion::deforming) places[b].resize(7 * (f + 1), nowhere);
         for (const Place& place : frames_[f].places) {
             mesh_of[f * count + place.body] = place.mesh;
+            left_out[f * count + place.body] = place.left_out;
             std::vector<float>& of_body = places[place.body];
             if (bodies_[place.body].motion == Motion::deforming)
                 of_body.insert(of_body.end(), place.numbers.begin(), place.numbers.end());
@@ -130,6 +132,7 @@ void FrameStore::pack_places(PackedArrays& arrays, json& description, bool round
         }
     }
     arrays.add("body_mesh", std::span<const std::uint32_t>(mesh_of), count);
+    arrays.add("body_left_out", std::span<const std::uint8_t>(left_out), count);
     json list = json::array();
     for (std::size_t b = 0; b < count; ++b) {
         const Body& body = bodies_[b];

@@ -1,5 +1,6 @@
 #include "page/frame_store.hpp"
 
+#include <unordered_set>
 #include <utility>
 
 #include "core/mesh/patch.hpp"
@@ -64,23 +65,26 @@ std::uint32_t FrameStore::number_of_mesh(const World& world, MeshId mesh) {
 }
 
 std::uint32_t FrameStore::number_of(const World& world, BodyId body,
-                                    const std::vector<std::string>& names) {
+                                    const std::map<BodyId, std::string>& names) {
     const auto [entry, is_new] = body_numbers_.emplace(body, bodies_.size());
-    if (is_new)
-        bodies_.push_back({.name = body.index < names.size() && !names[body.index].empty()
-                                       ? names[body.index]
-                                       : world.mesh(world.mesh_of(body)).name(),
-                           .motion = world.motion_of(body),
-                           .sheet = world.collision_of(body).sheet});
+    if (!is_new) return entry->second;
+    const auto named = names.find(body);
+    const bool has_name = named != names.end() && !named->second.empty();
+    bodies_.push_back({.name = has_name ? named->second : world.mesh(world.mesh_of(body)).name(),
+                       .motion = world.motion_of(body),
+                       .sheet = world.collision_of(body).sheet});
     return entry->second;
 }
 
-void FrameStore::add(World& world, const std::vector<std::string>& names, bool reasons) {
+void FrameStore::add(World& world, const std::map<BodyId, std::string>& names, bool reasons) {
     require_step(world);
     Frame frame;
+    std::unordered_set<BodyId> taken;
+    for (const World::BodyBox& box : world.body_boxes()) taken.insert(box.body);
     for (BodyId body : bodies_of(world)) {
         Place place{.body = number_of(world, body, names),
-                    .mesh = number_of_mesh(world, world.mesh_of(body))};
+                    .mesh = number_of_mesh(world, world.mesh_of(body)),
+                    .left_out = !taken.contains(body)};
         if (world.motion_of(body) == Motion::deforming) {
             for (Vec3d p : world.vertex_positions(body)) append(place.numbers, to_float(p));
         } else {

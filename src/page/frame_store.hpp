@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <unordered_map>
@@ -15,9 +16,9 @@ namespace pierce::page {
 /// Bodies, contacts and reasons of all frames of a page, as columns of numbers.
 class FrameStore {
 public:
-    /// Keeps a world after a step. `names`: of bodies by index; those without have their mesh's.
-    /// `reasons`: also why vertices have no contact.
-    void add(World& world, const std::vector<std::string>& names, bool reasons);
+    /// Keeps a world after a step. `names`: of bodies; those without have their mesh's. `reasons`:
+    /// also why vertices have no contact.
+    void add(World& world, const std::map<BodyId, std::string>& names, bool reasons);
     std::uint32_t frame_count() const { return static_cast<std::uint32_t>(frames_.size()); }
 
     /// Adds all columns to `arrays`, and what describes them to `description`. Numbers are rounded
@@ -41,6 +42,7 @@ private:
     /// Where a body is in a frame: seven numbers of a pose, or three per vertex.
     struct Place {
         std::uint32_t body = 0, mesh = 0;
+        bool left_out = false;  ///< of the step
         std::vector<float> numbers = {};
     };
     struct Frame {
@@ -49,7 +51,8 @@ private:
         std::vector<VertexReason> reasons;
     };
 
-    std::uint32_t number_of(const World& world, BodyId body, const std::vector<std::string>& names);
+    std::uint32_t number_of(const World& world, BodyId body,
+                            const std::map<BodyId, std::string>& names);
     std::uint32_t number_of_mesh(const World& world, MeshId mesh);
     std::uint32_t number(BodyId body) const { return body_numbers_.at(body); }
     bool is_rounded() const;

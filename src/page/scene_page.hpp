@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -18,11 +19,10 @@ class ScenePage {
 public:
     struct Options {
         std::string title;
-        std::vector<std::string> body_names = {};  ///< by index; bodies without a name have their
-                                                   ///< mesh's
-        double dt = 0;                             ///< [s] from frame to frame; 0: unknown
-        bool reasons = true;                       ///< why vertices have no contact, which takes
-                                                   ///< longer than to detect
+        std::map<BodyId, std::string> body_names = {};  ///< the others have their mesh's
+        double dt = 0;                                  ///< [s] from frame to frame; 0: unknown
+        bool reasons = true;  ///< why vertices have no contact, which takes
+                              ///< longer than to detect
     };
 
     explicit ScenePage(Options options);

@@ -348,6 +348,15 @@ TEST_F(RanksChangeTest, NumbersAndExclusionsOfRemovedBodies) {
     EXPECT_GT(step(), 0u);
 }
 
+TEST_F(RanksChangeTest, AHandleOfABodyThatNoStepHasSeenIsNotAnotherOnes) {
+    const MeshId mesh = add_mesh(cube());
+    add_rigid(0, 0, mesh, at(0));
+    if (is_rank(0)) many->remove_body(many->add_rigid_body(5, mesh, at(9)));
+    if (is_rank(1)) many->add_rigid_body(5, mesh, at(0.8));
+    EXPECT_EQ(message_of([&] { many->detect(); }),
+              "rank 0: body 5 was removed on rank 0 and added on rank 1 in the same step");
+}
+
 TEST_F(RanksChangeTest, ContactsAreGatheredInTheOrderInWhichTheyWereFound) {
     const MeshId mesh = add_mesh(cube());
     add_rigid(0, 0, mesh, at(0));
@@ -355,10 +364,18 @@ TEST_F(RanksChangeTest, ContactsAreGatheredInTheOrderInWhichTheyWereFound) {
     step();
     EXPECT_EQ(message_of([&] { many->gather_contacts(99); }), "rank 0: there is no rank 99");
     EXPECT_EQ(message_of([&] { many->gather_contacts(-1); }), "rank 0: there is no rank -1");
+    const std::string refused =
+        "rank 0: gather_contacts needs a detect() after bodies were added, "
+        "removed or changed";
     many->migrate();
-    EXPECT_EQ(message_of([&] { many->gather_contacts(); }),
-              "rank 0: gather_contacts needs a detect() after bodies were added, removed or "
-              "changed");
+    EXPECT_EQ(message_of([&] { many->gather_contacts(); }), refused);
+    step();
+    EXPECT_EQ(message_of([&] { many->gather_contacts(); }), "nothing thrown");
+    if (is_rank(0)) many->remove_body(body(0));
+    std::ostringstream saved;
+    many->save(saved);
+    many->nearby().plan();
+    EXPECT_EQ(message_of([&] { many->gather_contacts(); }), refused);
 }
 
 }  // namespace

@@ -156,10 +156,11 @@ void add_check(CLI::App& app, int& code) {
                       "look for triangles that cross, too");
     add_inside(*command, options->inside);
     command
-        ->add_option("--fix", options->fix,
-                     "write the mesh, of which there must be one, to OUT, an OBJ file: "
-                     "vertices joined, triangles turned to face one way, doubles left out, holes "
-                     "closed; what was done is printed")
+        ->add_option(
+            "--fix", options->fix,
+            "write the mesh, of which there must be one, to OUT, an OBJ file: if it is not "
+            "closed, with vertices joined, triangles turned to face one way, doubles left "
+            "out and holes closed; what was done is printed")
         ->type_name("OUT");
     command->add_option("--json", options->json, "write the findings to FILE")->type_name("FILE");
     add_examples(*command, {"pierce check a.obj b.obj --self-intersections",

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/output/detection_json.hpp"
 #include "app/output/json_file.hpp"
 #include "app/output/progress.hpp"
 #include "app/output/provenance.hpp"
@@ -16,14 +18,48 @@ namespace pierce::app {
 
 using nlohmann::json;
 
+namespace {
+
+/// For a shell.
+std::string quoted(const std::string& text) {
+    std::string result = "'";
+    for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return result + "'";
+}
+
+/// The beginning of a command that explains a frame of a recording as `settings`, by rays_json(),
+/// have found it.
+std::string explain_command(const std::filesystem::path& recording, const json& settings) {
+    std::string command = "pierce explain " + quoted(recording.string());
+    const json standard = rays_json({});
+    for (const auto& [key, option] :
+         {std::pair{"coverage", "--coverage"}, std::pair{"reproject", "--reproject"},
+          std::pair{"margin", "--margin"}, std::pair{"temporal", "--temporal"},
+          std::pair{"predict", "--predict"}, std::pair{"may_rest", "--rest"},
+          std::pair{"full_every", "--full-every"}, std::pair{"inside", "--inside"}}) {
+        const json& value = settings.at(key);
+        if (value == standard.at(key)) continue;
+        command += fmt::format(" {} ", option);
+        command += value.is_boolean()  ? value.get<bool>() ? "on" : "off"
+                   : value.is_string() ? value.get<std::string>()
+                                       : value.dump();
+    }
+    return command;
+}
+
+}  // namespace
+
 DetectionPage::DetectionPage(PageOptions options, World* world, const std::string& title,
                              const std::vector<std::string>& body_names, double dt)
     : options_(std::move(options)), world_(world) {
     if (options_.file.empty()) return;
     if (world == nullptr) throw InputError("--html needs --method rays: it shows their contacts");
     check_writable(options_.file);
+    std::map<BodyId, std::string> names;
+    for (const std::string& name : body_names)
+        names.emplace(BodyId{static_cast<std::uint32_t>(names.size()), 1}, name);
     page_.emplace(page::ScenePage::Options{
-        .title = title, .body_names = body_names, .dt = dt, .reasons = options_.reasons});
+        .title = title, .body_names = std::move(names), .dt = dt, .reasons = options_.reasons});
 }
 
 void DetectionPage::add(const json& figures) {
@@ -41,7 +77,12 @@ void DetectionPage::write(const json& settings, const std::filesystem::path& rec
                    {"backend", {{"name", world_->backend()}}},
                    {"notes", plan.notes},
                    {"tables", tables}};
-    if (!recording.empty()) made_with["recording"] = recording.string();
+    if (!recording.empty()) {
+        json rays = rays_json({.world = plan.settings});
+        for (auto& [key, value] : rays.items())
+            if (settings.contains(key)) value = settings[key];
+        made_with["explain"] = explain_command(recording, rays);
+    }
     page_->write(options_.file, made_with, show_share("writing " + options_.file.string()));
     fmt::print("page: {}\n", std::filesystem::absolute(options_.file).string());
 }

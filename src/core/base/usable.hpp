@@ -3,6 +3,7 @@
 #include <span>
 #include <string>
 
+#include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/error.hpp"
 #include "pierce/host_device.hpp"
@@ -18,6 +19,11 @@ PIERCE_HD bool is_within_reach(Vec3<T> p) {
     bool within = true;
     for (int k = 0; k < 3; ++k) within = within && p[k] <= most && p[k] >= -most;
     return within;
+}
+
+/// True if a mesh with this box is no point, but squares of differences are nothing in float32.
+inline bool is_too_small(const Box& box) {
+    return box.extent() > 0 && box.extent() < 1 / constants::largest_coordinate;
 }
 
 /// True if a body can be there: the position is within reach, and the quaternion is a rotation.

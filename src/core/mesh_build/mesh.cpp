@@ -48,11 +48,9 @@ void check_mesh_data(const std::string& name, const MeshData& data) {
                 throw InputError("mesh '" + name + "': triangle " + std::to_string(t) +
                                  " names vertex " + std::to_string(v) + ", but there are " +
                                  std::to_string(data.positions.size()));
-    // Squares of smaller differences are nothing in float32.
     Box box;
     for (const Vec3f p : data.positions) box.extend(to_double(p));
-    if (box.extent() > 0 && box.extent() < 1 / constants::largest_coordinate)
-        throw InputError("mesh '" + name + "' is too small");
+    if (is_too_small(box)) throw InputError("mesh '" + name + "' is too small");
     if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
         throw InputError("mesh '" + name + "' has more than " +
                          std::to_string(constants::max_elements) + " vertices or corners");

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/disjoint_sets.hpp"
+#include "core/base/usable.hpp"
 #include "core/base/workers.hpp"
 #include "core/device/view.hpp"
 #include "core/geometry/closest_point.hpp"
@@ -59,7 +60,10 @@ struct Part {
 /// can be checked.
 Part usable_part(const MeshData& mesh, Findings& findings) {
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
-        if (!is_finite(mesh.positions[v])) findings.add(MeshDefect::not_finite, {v});
+        if (!is_within_reach(mesh.positions[v]))
+            findings.add(
+                is_finite(mesh.positions[v]) ? MeshDefect::out_of_range : MeshDefect::not_finite,
+                {v});
     Part part{{mesh.positions, {}}, {}};
     std::vector<bool> used(mesh.positions.size());
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -238,6 +242,9 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
 
     Findings findings;
     const Part part = usable_part(mesh, findings);
+    if (is_too_small(report.box))
+        for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
+            findings.add(MeshDefect::out_of_range, {v});
     check_duplicate_vertices(mesh, findings);
     check_triangles(part, findings);
     const HalfEdges sides(part.mesh.triangles, part.mesh.positions.size());

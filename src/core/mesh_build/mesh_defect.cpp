@@ -59,6 +59,8 @@ constexpr Description descriptions[mesh_defect_count] = {
      "a seam sends a ray per vertex; triangles that meet in it by position alone are not joined, "
      "and their edges count as "
      "borders"},
+    {MeshDefect::out_of_range, "vertices out of range", MeshElement::vertex, true,
+     "the mesh is refused: a coordinate is beyond 2^60, or the whole mesh is smaller than 2^-60"},
 };
 
 constexpr bool in_order() {

@@ -92,6 +92,10 @@ class SceneData {
   meshOf(frame, body) {
     return this.meshes[this.columns.body_mesh[frame * this.bodies.length + body]];
   }
+  /** True if the step of a frame had no place for a body: it is not finite, or its world is not active. */
+  isLeftOut(frame, body) {
+    return this.columns.body_left_out[frame * this.bodies.length + body] === 1;
+  }
   /** Seven numbers: position and quaternion x y z w. */
   poseOf(frame, body) {
     return this.bodies[body].places.subarray(7 * frame, 7 * frame + 7);

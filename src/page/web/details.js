@@ -82,16 +82,20 @@ class Details {
     else if (own.length) why = [];
     else if (!data.has_all_reasons && data.bodies.some((one) => one.sheet))
       why = [element("p", {}, "Reasons about sheets of this size are not on this page.")];
-    else why = [element("p", { class: "reason" }, "No contact: the vertex is outside of the boxes of all other bodies.")];
-    const place = data.meshOf(frame, body) ? keyTable([["position", data.vertexAt(frame, body, vertex)],
-      ["patch", data.meshOf(frame, body).patches[vertex]]]) : element("p", {}, "The body is not there in this frame.");
+    else if (data.isLeftOut(frame, body)) why = [element("p", { class: "reason" },
+      "No contact: the body was left out of the step. It is not finite, or its world is not active.")];
+    else why = [element("p", { class: "reason" }, "No contact: the vertex is outside of the boxes of all other bodies of the step.")];
+    const mesh = data.meshOf(frame, body), isThere = mesh && vertex < mesh.vertices.length / 3;
+    const place = isThere ? keyTable([["position", data.vertexAt(frame, body, vertex)], ["patch", mesh.patches[vertex]]])
+      : element("p", {}, mesh ? "The body's mesh has no such vertex in this frame." : "The body is not there in this frame.");
+    if (!isThere) return [element("h2", {}, `Vertex ${vertex} of body `, this.body(body)), place];
     const other = reasons[0]?.other ?? "OTHER";
     return [
       element("h2", {}, `Vertex ${vertex} of body `, this.body(body)), place,
       element("h2", {}, own.length ? `Its contacts: ${own.length}` : "Why it has no contact"),
       element("p", {}, ...own.flatMap((k) => [this.link(`c${k}`, { contact: k }), " "])), ...why,
-      ...(data.made_with.recording ? [element("p", { class: "faint" }, "The whole answer:"),
-        element("code", {}, `pierce explain ${data.made_with.recording} --frame ${frame} --bodies ${body} ${other} --vertex ${vertex}`)] : []),
+      ...(data.made_with.explain ? [element("p", { class: "faint" }, "The whole answer:"),
+        element("code", {}, `${data.made_with.explain} --frame ${frame} --bodies ${body} ${other} --vertex ${vertex}`)] : []),
     ];
   }
 
@@ -124,7 +128,7 @@ const MOST_LINKS = 40;
 
 /** The tab "About": what the page was made with. */
 function showAbout(data, place) {
-  const { tables, notes, recording, ...rest } = data.made_with;
+  const { tables, notes, explain, ...rest } = data.made_with;
   for (const table of tables ?? [])
     place.append(element("h2", {}, table.title), element("div", { class: "scroll" }, element("table", { class: "wide" },
       element("thead", {}, element("tr", {}, ...table.columns.map((name) => element("th", {}, name)))),

@@ -48,6 +48,7 @@ void check_size(std::ifstream& in, std::uintmax_t file_size) {
     for (const char* at = header.data() + open; at < header.data() + close;) {
         std::uintmax_t extent = 0;
         const auto [end, error] = std::from_chars(at, header.data() + close, extent);
+        if (*at == '-') throw std::runtime_error("its header has a negative size");
         if (error == std::errc::invalid_argument) {
             ++at;  // skips what is between two numbers
             continue;

@@ -385,6 +385,9 @@ Recording read_recording(const fs::path& folder, const std::function<void(double
         }
         for (const json& entry : scene.at("bodies")) {
             recording.bodies.push_back(read_body(entry, folder, recording, where));
+            if (scene.at("version") == plain_version &&
+                !recording.bodies.back().mesh_changes.empty())
+                throw InputError(where + ": a recording with changes has version 2");
             if (progress) progress(share(recording.bodies.size(), scene.at("bodies").size()));
         }
     } catch (const json::exception& error) {

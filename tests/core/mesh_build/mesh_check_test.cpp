@@ -11,6 +11,7 @@
 #include "core/geometry/triangle_pair.hpp"
 #include "core/mesh/vertex_normal.hpp"
 #include "core/mesh_build/self_intersections.hpp"
+#include "pierce/error.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/brute_force.hpp"
 #include "support/random.hpp"
@@ -82,6 +83,19 @@ TEST(MeshCheckTest, NothingAtAll) {
     EXPECT_THAT(findings_of({{{0, 0, 0}}, {}}),
                 ElementsAre(MeshFinding{no_triangles, 1, {}}, MeshFinding{unused_vertex, 1, {0}}));
     EXPECT_FALSE(check_mesh({}).closed);
+}
+
+TEST(MeshCheckTest, WhatNoWorldTakes) {
+    MeshData far = unit_box(), small = unit_box();
+    far.positions[3].y = 1e30f;
+    for (Vec3f& p : small.positions)
+        for (int k = 0; k < 3; ++k) p[k] *= 1e-30f;
+    EXPECT_THAT(check_mesh(far, everything).findings, Contains(MeshFinding{out_of_range, 1, {3}}));
+    const MeshReport report = check_mesh(small, everything);
+    EXPECT_THAT(report.findings, Contains(MeshFinding{out_of_range, 8, {0, 1, 2, 3, 4, 5, 6, 7}}));
+    EXPECT_FALSE(report.sound());
+    EXPECT_THROW(Mesh("far", far), InputError);
+    EXPECT_THROW(Mesh("small", small), InputError);
 }
 
 TEST(MeshCheckTest, NumbersThatAreNone) {

@@ -142,6 +142,9 @@ TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
     write_recording(changing(sample()), folder);
     overwrite("scene.json", "\"frame\": 2", "\"frame\": 1");
     expect_refused("ascending frames");
+    write_recording(changing(sample()), folder);
+    overwrite("scene.json", "\"version\": 2", "\"version\": 1");
+    expect_refused("a recording with changes has version 2");
     for (const char* other : {"-2", "2.5", "1e300"}) {
         SCOPED_TRACE(other);
         write_recording(changing(sample()), folder);

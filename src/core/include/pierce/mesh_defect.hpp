@@ -23,9 +23,10 @@ enum class MeshDefect : std::uint8_t {
     self_intersection,    ///< pairs of triangles that cross, or lie on each other
     unused_vertex,        ///< vertices without triangles
     duplicate_vertex,     ///< vertices at the position of an earlier one
+    out_of_range,         ///< vertices too far away, or all of a mesh that is too small, for a world
 };
 
-inline constexpr std::uint32_t mesh_defect_count = 15;
+inline constexpr std::uint32_t mesh_defect_count = 16;
 
 /// What the places of a finding name: one id each, or two.
 enum class MeshElement : std::uint8_t {

@@ -35,7 +35,7 @@ struct LeftToBullet {
 
 /// Pierce as the narrow phase of a Bullet world. Pairs of two bound objects get Pierce's contacts,
 /// and all others Bullet's own. Pierce looks for contacts once in a step in which some bound object
-/// has moved; what sleeps keeps its contacts and costs nothing.
+/// has moved; what sleeps keeps its contacts, which are not looked for again.
 ///
 /// Rigid contacts go into persistent manifolds, reduced per pair, and keep their impulses from step
 /// to step by vertex. Soft contacts go into the soft bodies' own contact arrays with the hit

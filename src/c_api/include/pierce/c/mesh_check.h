@@ -22,7 +22,8 @@ typedef enum pierce_mesh_defect {
     PIERCE_NO_INWARD_DIRECTION = 11,
     PIERCE_SELF_INTERSECTION = 12,
     PIERCE_UNUSED_VERTEX = 13,
-    PIERCE_DUPLICATE_VERTEX = 14
+    PIERCE_DUPLICATE_VERTEX = 14,
+    PIERCE_OUT_OF_RANGE = 15
 } pierce_mesh_defect;
 
 /** All defects of one kind. */
