@@ -106,9 +106,9 @@ void bind_meshes(nb::module_& module) {
         .value("none", Inside::none, "a surface without an inside");
     nb::enum_<MeshDefect> defect(module, "MeshDefect", "What a mesh check looks for.");
     constexpr const char* defects[mesh_defect_count] = {
-        "no_triangles",       "not_finite",        "bad_index",       "border_edge",
-        "flipped_edge",       "non_manifold_edge", "inside_out",      "degenerate_triangle",
-        "duplicate_triangle", "opposite_triangle", "bowtie_vertex",   "no_inward_direction",
+        "no_triangles",       "not_finite",        "bad_index",        "border_edge",
+        "flipped_edge",       "non_manifold_edge", "inside_out",       "degenerate_triangle",
+        "duplicate_triangle", "opposite_triangle", "bowtie_vertex",    "no_inward_direction",
         "self_intersection",  "unused_vertex",     "duplicate_vertex", "out_of_range"};
     for (std::uint32_t k = 0; k < mesh_defect_count; ++k) {
         const auto value = static_cast<MeshDefect>(k);

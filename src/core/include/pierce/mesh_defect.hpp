@@ -23,7 +23,7 @@ enum class MeshDefect : std::uint8_t {
     self_intersection,    ///< pairs of triangles that cross, or lie on each other
     unused_vertex,        ///< vertices without triangles
     duplicate_vertex,     ///< vertices at the position of an earlier one
-    out_of_range,         ///< vertices too far away, or all of a mesh that is too small, for a world
+    out_of_range,  ///< vertices too far away, or all of a mesh that is too small, for a world
 };
 
 inline constexpr std::uint32_t mesh_defect_count = 16;
