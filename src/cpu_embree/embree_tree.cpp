@@ -131,7 +131,6 @@ struct Tree::PointQuery {
         std::uint32_t tested = (1u << count) - 1;
         // Covered triangles do not count, and the sieve would let them hide others.
         if (search->surface().covered.size == 0) {
-            for (std::uint32_t k = count; k < Four::count; ++k) waiting[k] = waiting[0];
             const FourVec3 corners[3] = {corner(0), corner(1), corner(2)};
             tested &= sieve.may_be_closest(corners);
         }
@@ -143,7 +142,8 @@ private:
     FourVec3 corner(int k) const {
         const Surface& surface = search->surface();
         const auto at = [&](std::uint32_t lane) {
-            return surface.positions[surface.triangles[waiting[lane]].vertex[k]];
+            const std::uint32_t triangle = waiting[lane < count ? lane : 0];
+            return surface.positions[surface.triangles[triangle].vertex[k]];
         };
         return FourVec3::of(at(0), at(1), at(2), at(3));
     }

@@ -122,6 +122,12 @@ struct Four {
             return static_cast<float>(static_cast<std::int32_t>(a.lane[k]));
         });
     }
+    /// A bit for each lane in which a is greater.
+    PIERCE_HD friend std::uint32_t greater(Four a, Four b) {
+        std::uint32_t bits = 0;
+        for (std::uint32_t k = 0; k < count; ++k) bits |= std::uint32_t{a.lane[k] > b.lane[k]} << k;
+        return bits;
+    }
     /// `then` where a is less, otherwise `otherwise`.
     PIERCE_HD friend Four where(Four a, Four less_than, Four then, Four otherwise) {
         return of([&](std::uint32_t k) {
