@@ -424,9 +424,7 @@ def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
     assert sys.getrefcount(progress) == before
 
 
-@pytest.mark.parametrize(
-    "ask", [lambda w: w.plan, repr, lambda w: w.detect(), lambda w: w.save()]
-)
+@pytest.mark.parametrize("ask", [lambda w: w.plan, repr, lambda w: w.detect(), lambda w: w.save()])
 def test_measuring_meshes_tells_how_far_it_is(ask):
     """Python must be free to run, or the callback waits for it for ever."""
     calls = []
