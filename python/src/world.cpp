@@ -28,8 +28,12 @@ bool PyWorld::wants(BodyId a, BodyId b) {
 }
 
 void PyWorld::keep_progress(std::shared_ptr<nb::object> callback) {
-    std::erase_if(progress, [](const auto& kept) { return kept.use_count() == 1; });
-    if (callback != nullptr) progress.push_back(std::move(callback));
+    // What lets go of a callback may run Python, which may look at `progress`.
+    std::vector<std::shared_ptr<nb::object>> kept, last = std::exchange(progress, {});
+    for (std::shared_ptr<nb::object>& each : last)
+        if (each.use_count() > 1) kept.push_back(std::move(each));
+    if (callback != nullptr) kept.push_back(std::move(callback));
+    progress = std::move(kept);
 }
 
 void PyWorld::rethrow() {
@@ -104,7 +108,8 @@ int clear_world(PyObject* self) {
     if (world->filter.is_valid()) world->world->set_pair_filter({});
     world->filter.reset();
     world->stream.reset();
-    for (const std::shared_ptr<nb::object>& callback : world->progress) callback->reset();
+    for (const std::shared_ptr<nb::object>& callback : std::exchange(world->progress, {}))
+        callback->reset();
     return 0;
 }
 PyType_Slot world_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(visit_world)},

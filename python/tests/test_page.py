@@ -348,6 +348,9 @@ def test_left_out_bodies_names_and_vertices_that_are_no_more(browser, tmp_path):
     assert names == ["drone", "box", "ring"]
     browser.run("player.go(2); player.select({body: 2, vertex: 40})")
     assert "no such vertex in this frame" in browser.text("details")
+    browser.run("player.lookAtSelection(); player.go(0); player.lookAtSelection()")
+    assert "not there in this frame" in browser.text("details")
+    assert browser.run("return player.stage.sight(10, 10).flat().every(Number.isFinite)")
     assert browser.complaints() == []
 
 

@@ -573,6 +573,21 @@ def test_a_progress_callback_may_hold_its_world():
     assert [simulation() for simulation in simulations] == [None] * 3
 
 
+def test_callbacks_that_end_may_look_for_garbage():
+    class Callback:
+        def __call__(self, what, share):
+            pass
+
+        def __del__(self):
+            gc.collect()
+
+    world = pierce.World("reference")
+    meshes = [world.add_mesh(torus(), progress=Callback()) for _ in range(3)]
+    for mesh in meshes[:2]:
+        world.remove_mesh(mesh)
+    world.add_mesh(torus(), progress=Callback())
+
+
 def test_a_mesh_that_worlds_share_stays():
     made = pierce.Mesh.make(torus())
     world = pierce.World("reference")

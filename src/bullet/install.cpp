@@ -259,9 +259,9 @@ void Installation::State::bind(btCollisionObject& object, btSoftBody* soft, Body
     if (followed.has_made(body))
         throw InputError("body " + std::to_string(body.index) +
                          " was made for an object that is followed, and goes with it");
-    followed.leave(object);
     // Those of the last binding point to its faces.
     coupling.forget_soft_contacts();
+    followed.leave(object);
     coupling.bind(object, soft, body);
 }
 

@@ -59,21 +59,32 @@ const btStridingMeshInterface* arrays_of(const btCollisionShape& shape) {
     }
 }
 
+std::size_t size_of(PHY_ScalarType type) {
+    switch (type) {
+        case PHY_DOUBLE:
+            return sizeof(double);
+        case PHY_SHORT:
+            return sizeof(short);
+        case PHY_UCHAR:
+            return sizeof(unsigned char);
+        default:
+            return sizeof(float);
+    }
+}
+
 /// Adds up things, in their order.
 class Hash {
 public:
     void add(std::uint64_t value) { sum_ = (sum_ ^ value) * 0x100000001b3ull; }
-    /// The first words of a few items of an array, evenly apart.
-    void add_some(const unsigned char* items, int count, int stride, int words) {
+    /// The first bytes of a few items of an array, evenly apart.
+    void add_some(const unsigned char* items, int count, int stride, std::size_t bytes) {
         constexpr int most = 8;
         const int step = (count + most - 1) / most;
         for (int i = 0; i < count; i += step)
-            for (int w = 0; w < words; ++w) {
+            for (std::size_t at = 0; at < bytes; at += sizeof(std::uint32_t)) {
                 std::uint32_t word = 0;
-                std::memcpy(&word,
-                            items + static_cast<std::ptrdiff_t>(i) * stride +
-                                w * static_cast<std::ptrdiff_t>(sizeof word),
-                            sizeof word);
+                std::memcpy(&word, items + static_cast<std::ptrdiff_t>(i) * stride + at,
+                            std::min(sizeof word, bytes - at));
                 add(word);
             }
     }
@@ -124,8 +135,8 @@ std::uint64_t mark_of(const btCollisionShape& shape) {
         hash.add(std::bit_cast<std::uintptr_t>(triangles));
         hash.add(static_cast<std::uint64_t>(vertex_count));
         hash.add(static_cast<std::uint64_t>(triangle_count));
-        hash.add_some(vertices, vertex_count, vertex_stride, vertex_type == PHY_DOUBLE ? 6 : 3);
-        if (index_type == PHY_INTEGER) hash.add_some(triangles, triangle_count, triangle_stride, 3);
+        hash.add_some(vertices, vertex_count, vertex_stride, 3 * size_of(vertex_type));
+        hash.add_some(triangles, triangle_count, triangle_stride, 3 * size_of(index_type));
         arrays->unLockReadOnlyVertexBase(part);
     }
     return hash.sum();

@@ -36,8 +36,8 @@ SoftContactRow::SoftContactRow(const btSoftBody& source, const btSoftBody::RCont
       friction_(source.m_cfg.kDF * contact.m_cti.m_colObj->getFriction()),
       dt_(source.m_sst.sdt),
       stays_(grip != nullptr) {
-    // As in Bullet's own solver, hardness is of the depth that the step begins with: motion into
-    // the target is taken away as a whole.
+    // Hardness is of the depth that the step begins with. Motion into the target is taken away as a
+    // whole, as by Bullet's own solver.
     const btScalar begin = margin_ - normal_.dot(node_->m_q);
     left_ = (1 - contact.m_c4) * btMax(btScalar(0), begin);
     held_ = node_->m_q;

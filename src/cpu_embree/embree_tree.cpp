@@ -3,8 +3,8 @@
 #include "core/device/four.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/surface.hpp"
-#include "core/trace/bvh/point_sieve.hpp"
-#include "core/trace/bvh/triangle_sieve.hpp"
+#include "core/trace/point_sieve.hpp"
+#include "core/trace/triangle_sieve.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
@@ -31,7 +31,7 @@ void store(Float4 a, float* to) { __builtin_memcpy(to, &a, sizeof a); }
 struct Tree::Query {
     QueryContext context;
     CrossingSearch* search = nullptr;
-    bvh::TriangleSieve sieve;
+    TriangleSieve sieve;
     double start = 0;  ///< the place on our ray where Embree's ray begins
     double slack = 0;  ///< how much further than the search's limit Embree looks
     std::uint32_t tests = 0;
@@ -84,7 +84,7 @@ void Tree::refit(const Surface& surface, const Box& box) {
 
 Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
     CrossingSearch search(ray, surface_);
-    Query query{.context = {}, .search = &search, .sieve = bvh::TriangleSieve(ray)};
+    Query query{.context = {}, .search = &search, .sieve = TriangleSieve(ray)};
     init_context(query.context);
     query.slack = 2.0 * margin_ + surface_.touch;
     // Embree's float32 ray begins near the surface: far away its rounding would exceed the margin.
@@ -114,7 +114,7 @@ Hit Tree::trace(const Ray& ray, std::uint32_t& tests) const {
 /// One point on its way through Embree.
 struct Tree::PointQuery {
     ClosestSearch* search = nullptr;
-    bvh::PointSieve sieve;
+    PointSieve sieve;
     double slack = 0;  ///< how much further than the search's limit Embree looks
     std::uint32_t waiting[Four::count] = {};  ///< triangles that are tested together
     std::uint32_t count = 0;                  ///< of those

@@ -421,7 +421,7 @@ TEST(InstallTest, UninstallLeavesAnotherWorldOfTheDispatcherAlone) {
 
 TEST(InstallTest, ASoftBodyMeetsItself) {
     StockWorld scene;
-    bullet::install(scene.bullet, scene.contacts);
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
     btSoftBody& soft = scene.add_soft(ring, {0, 0, 0});
     scene.bullet.stepSimulation(dt, 0);
     EXPECT_TRUE(scene.contacts.contacts().empty());
@@ -434,6 +434,9 @@ TEST(InstallTest, ASoftBodyMeetsItself) {
                                             [](const Contact& c) { return c.a == c.b; });
     EXPECT_GT(self, 5);
     EXPECT_EQ(soft.m_scontacts.size(), self);
+    // Another binding has other faces.
+    installed.bind(soft, scene.contacts.add_deforming_body(scene.contacts.add_mesh("ring", ring)));
+    EXPECT_EQ(soft.m_scontacts.size(), 0);
 }
 
 class CountPoints : public btIDebugDraw {

@@ -83,7 +83,8 @@ bool is_of_recording(const std::filesystem::path& file, const std::filesystem::p
         return std::filesystem::weakly_canonical(std::filesystem::absolute(path, none), none);
     };
     const std::string name = file.filename(), type = file.extension();
-    return whole(file) == whole(folder / file.filename()) &&
+    const std::filesystem::path place = whole(file);
+    return !place.empty() && place == whole(folder / file.filename()) &&
            (name == "scene.json" || type == ".npy" || type == ".obj");
 }
 
@@ -96,11 +97,11 @@ bool is_read(const std::filesystem::path& file, const std::filesystem::path& inp
 
 /// What a command reads is not written over, nor what it records.
 void check_outputs(const CLI::App& command) {
-    const auto check = [&](const CLI::Option& output, const CLI::Option& option,
-                           const auto& is_there, const char* what) {
+    const auto refuse_if = [&](const CLI::Option& output, const CLI::Option& option,
+                               const auto& would_replace, const char* what) {
         for (const std::string& file : output.results())
             for (const std::string& name : option.results())
-                if (is_there(file, name))
+                if (would_replace(file, name))
                     throw CLI::ValidationError(
                         output.get_name(),
                         fmt::format("would replace '{}', which is {}", file, what));
@@ -109,9 +110,9 @@ void check_outputs(const CLI::App& command) {
         if (!is_output(*output)) continue;
         for (const CLI::Option* option : command.get_options())
             if (option->get_positional())
-                check(*output, *option, is_read, "read");
+                refuse_if(*output, *option, is_read, "read");
             else if (option->get_name() == "--record")
-                check(*output, *option, is_of_recording, "of the recording");
+                refuse_if(*output, *option, is_of_recording, "of the recording");
     }
 }
 

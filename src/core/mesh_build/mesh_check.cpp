@@ -56,8 +56,8 @@ struct Part {
     std::vector<std::uint32_t> ids;
 };
 
-/// Reports vertices that are not finite, do not exist or are not used, and keeps the triangles that
-/// can be checked.
+/// Reports vertices that are not finite, out of range, not there or not used, and keeps the
+/// triangles that can be checked.
 Part usable_part(const MeshData& mesh, Findings& findings) {
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
         if (!is_within_reach(mesh.positions[v]))

@@ -98,8 +98,8 @@ private:
         const bool rigid = source.motion != Motion::deforming && target.motion != Motion::deforming;
         const double limit = rigid ? std::min(source.mesh.box.extent(), target.mesh.box.extent())
                                    : std::numeric_limits<double>::infinity();
-        require(m.odometer >= 0 && m.odometer < limit && m.step >= 0 && std::isfinite(m.step) &&
-                std::isfinite(m.at_full));
+        require((m.odometer == 0 || (m.odometer > 0 && m.odometer < limit)) && m.step >= 0 &&
+                std::isfinite(m.step) && std::isfinite(m.at_full));
         if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
         const std::uint32_t first = memory_.directed[i].first_block,
                             count = block_count(source.mesh);

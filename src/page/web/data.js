@@ -92,6 +92,11 @@ class SceneData {
   meshOf(frame, body) {
     return this.meshes[this.columns.body_mesh[frame * this.bodies.length + body]];
   }
+  /** True if a body's mesh has a vertex of that number in a frame. */
+  hasVertex(frame, body, vertex) {
+    const mesh = this.meshOf(frame, body);
+    return mesh !== undefined && vertex < mesh.vertices.length / 3;
+  }
   /** True if the step of a frame had no place for a body: it is not finite, or its world is not active. */
   isLeftOut(frame, body) {
     return this.columns.body_left_out[frame * this.bodies.length + body] === 1;

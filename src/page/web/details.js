@@ -78,20 +78,19 @@ class Details {
     const reasons = data.reasonsOf(frame, body, vertex);
     let why;
     if (reasons.length) why = reasons.map(({ other, text }) => element("p", { class: "reason" }, "Against ", this.body(other), ": ", text));
+    else if (data.isLeftOut(frame, body)) why = [element("p", { class: "reason" },
+      "No contact: the body was left out of the step. It is not finite, or its world is not active.")];
     else if (!data.has_reasons) why = [element("p", {}, "This page was made without reasons.")];
     else if (own.length) why = [];
     else if (!data.has_all_reasons && data.bodies.some((one) => one.sheet))
       why = [element("p", {}, "Reasons about sheets of this size are not on this page.")];
-    else if (data.isLeftOut(frame, body)) why = [element("p", { class: "reason" },
-      "No contact: the body was left out of the step. It is not finite, or its world is not active.")];
     else why = [element("p", { class: "reason" }, "No contact: the vertex is outside of the boxes of all other bodies of the step.")];
-    const mesh = data.meshOf(frame, body), isThere = mesh && vertex < mesh.vertices.length / 3;
-    const place = isThere ? keyTable([["position", data.vertexAt(frame, body, vertex)], ["patch", mesh.patches[vertex]]])
-      : element("p", {}, mesh ? "The body's mesh has no such vertex in this frame." : "The body is not there in this frame.");
-    if (!isThere) return [element("h2", {}, `Vertex ${vertex} of body `, this.body(body)), place];
+    const mesh = data.meshOf(frame, body), title = element("h2", {}, `Vertex ${vertex} of body `, this.body(body));
+    if (!data.hasVertex(frame, body, vertex))
+      return [title, element("p", {}, mesh ? "The body's mesh has no such vertex in this frame." : "The body is not there in this frame.")];
     const other = reasons[0]?.other ?? "OTHER";
     return [
-      element("h2", {}, `Vertex ${vertex} of body `, this.body(body)), place,
+      title, keyTable([["position", data.vertexAt(frame, body, vertex)], ["patch", mesh.patches[vertex]]]),
       element("h2", {}, own.length ? `Its contacts: ${own.length}` : "Why it has no contact"),
       element("p", {}, ...own.flatMap((k) => [this.link(`c${k}`, { contact: k }), " "])), ...why,
       ...(data.made_with.explain ? [element("p", { class: "faint" }, "The whole answer:"),

@@ -38,7 +38,7 @@ class Overlays {
     });
     this.#fill(this.lines, lines);
     this.#fill(this.dots, dots, shades);
-    const there = vertex !== undefined && this.data.meshOf(frame, body);
+    const there = vertex !== undefined && this.data.hasVertex(frame, body, vertex);
     this.#fill(this.mark, there ? this.data.vertexAt(frame, body, vertex) : [], SELECTED);
   }
 

@@ -213,8 +213,8 @@ class Player {
   lookAtSelection() {
     const { contact, body, vertex } = this.selection, { data, frame } = this;
     const at = contact !== undefined ? data.contact(frame, contact).point_a
-      : vertex !== undefined ? data.vertexAt(frame, body, vertex)
-      : body !== undefined ? mix(...boxAround(data.verticesAt(frame, body)), 0.5) : null;
+      : vertex !== undefined ? data.hasVertex(frame, body, vertex) && data.vertexAt(frame, body, vertex)
+      : body !== undefined && data.meshOf(frame, body) ? mix(...boxAround(data.verticesAt(frame, body)), 0.5) : null;
     if (at) this.stage.lookAt(at, 0.5 * this.stage.radius);
     this.stage.draw();
   }

@@ -385,8 +385,7 @@ Recording read_recording(const fs::path& folder, const std::function<void(double
         }
         for (const json& entry : scene.at("bodies")) {
             recording.bodies.push_back(read_body(entry, folder, recording, where));
-            if (scene.at("version") == plain_version &&
-                !recording.bodies.back().mesh_changes.empty())
+            if (entry.contains("changes") && scene.at("version") == plain_version)
                 throw InputError(where + ": a recording with changes has version 2");
             if (progress) progress(share(recording.bodies.size(), scene.at("bodies").size()));
         }

@@ -83,6 +83,9 @@ TEST(MemoryCheckTest, BothDirectionsOfAPairGoOn) {
     }
     memory.directed[1].odometer = 0.5;
     EXPECT_NO_THROW(check_it());
+    memory.directed[1].odometer = 0;
+    bodies[1].mesh.box = {{1, 1, 1}, {1, 1, 1}};
+    EXPECT_NO_THROW(check_it()) << "a mesh may be a point, of which nothing is known";
     memory.directed[0].step = std::numeric_limits<double>::infinity();
     EXPECT_THROW(check_it(), InputError);
 }

@@ -6,7 +6,7 @@
 #include "core/mesh/surface.hpp"
 #include "core/trace/bvh/traversal.hpp"
 #include "core/trace/bvh/tree_work.hpp"
-#include "core/trace/bvh/triangle_sieve.hpp"
+#include "core/trace/triangle_sieve.hpp"
 
 namespace pierce::bvh {
 

@@ -4,9 +4,9 @@
 #include "core/device/view.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/trace/bvh/candidates.hpp"
-#include "core/trace/bvh/point_sieve.hpp"
 #include "core/trace/bvh/traversal.hpp"
 #include "core/trace/closest_search.hpp"
+#include "core/trace/point_sieve.hpp"
 
 /// The triangle closest to a point, in three parts, as for rays: candidates in float32, the exact
 /// search among them, and the exact search through the tree for the few points with too many.
@@ -46,7 +46,8 @@ private:
             // All threads of a warp gather leaves, then all test theirs.
             while (more && found + 2 <= leaf_room) {
                 const Node node = read_whole(forest.nodes[item.index()]);
-                const float gap[2] = {sieve.squared_to(node.box[0]), sieve.squared_to(node.box[1])};
+                const float gap[2] = {sieve.squared_to(node.box[0].lower, node.box[0].upper),
+                                      sieve.squared_to(node.box[1].lower, node.box[1].upper)};
                 const bool swap = gap[1] < gap[0];
                 const Item near = swap ? node.child[1] : node.child[0],
                            far = swap ? node.child[0] : node.child[1];

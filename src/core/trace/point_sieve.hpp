@@ -6,12 +6,11 @@
 #include "core/device/four.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/geometry/quick_vec3.hpp"
-#include "core/trace/bvh/forest.hpp"
 #include "pierce/box.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
-namespace pierce::bvh {
+namespace pierce {
 
 /// The search for the triangle closest to a point, in float32: leaves out triangles and boxes that
 /// are certainly further away than the closest triangle seen so far, or than a limit.
@@ -32,8 +31,8 @@ public:
     }
 
     /// The squared distance of a box, and whether it may hold a triangle that is close enough.
-    PIERCE_HD float squared_to(const BoxF& box) const {
-        const Vec3f from = relative(box.lower), to = relative(box.upper);
+    PIERCE_HD float squared_to(Vec3f lower, Vec3f upper) const {
+        const Vec3f from = relative(lower), to = relative(upper);
         const Vec3f gap = {quick_max(quick_max(from.x, -to.x), 0.0f),
                            quick_max(quick_max(from.y, -to.y), 0.0f),
                            quick_max(quick_max(from.z, -to.z), 0.0f)};
@@ -48,7 +47,8 @@ public:
             constants::point_rounding,
             quick_max(largest_of(a), quick_max(largest_of(b), largest_of(c))), pad_);
         const Vec3f q = closest_to_origin(a, b, c);
-        const float squared = quick_dot(q, q), distance = std::sqrt(squared);
+        const float squared = quick_dot(q, q),
+                    distance = std::sqrt(squared < least_squared ? least_squared : squared);
         const float most = quick_fma(distance, 1 + constants::point_rounding, lost);
         // Triangles without area are never the closest one.
         if (most < reach_ && !may_be_degenerate(v0, v1, v2)) shrink(most);
@@ -65,7 +65,7 @@ public:
         const Four lost = Four(constants::point_rounding) *
                               max_of(largest_of(a), max_of(largest_of(b), largest_of(c))) +
                           Four(pad_),
-                   squared = dot(q, q);
+                   squared = max_of(least_squared, dot(q, q));
         std::uint32_t first = 0;
         for (std::uint32_t k = 1; k < Four::count; ++k)
             if (squared[k] < squared[first]) first = k;
@@ -79,13 +79,15 @@ public:
             shrink(most);
         // With squares, as roots take long.
         const Four least = max_of(min_of(dot(q, a), min_of(dot(q, b), dot(q, c))), 0),
+                   further = least * (least / squared) * Four(1 - 2 * constants::point_rounding),
                    reach = Four(reach_) + lost;
-        return ~greater(least * least * Four(1 - 2 * constants::point_rounding),
-                        reach * reach * squared) &
-               Four::all_bits;
+        return ~greater(further, reach * reach) & Four::all_bits;
     }
 
 private:
+    /// Of a distance; smaller ones are not rounded as others are.
+    static constexpr float least_squared = std::numeric_limits<float>::min();
+
     /// True of every triangle for which is_degenerate() holds: in float32 the cross product is off
     /// by less than twice degenerate_area, as differences of corners are off by half an ulp.
     PIERCE_HD static bool may_be_degenerate(Vec3f a, Vec3f b, Vec3f c) {
@@ -180,4 +182,4 @@ private:
     float reach_squared_ = std::numeric_limits<float>::infinity();
 };
 
-}  // namespace pierce::bvh
+}  // namespace pierce

@@ -7,7 +7,7 @@
 #include "pierce/constants.hpp"
 #include "pierce/host_device.hpp"
 
-namespace pierce::bvh {
+namespace pierce {
 
 /// A ray in float32, for triangles: leaves out those that cross_triangle() certainly does not meet.
 ///
@@ -71,4 +71,4 @@ private:
     int axis_;
 };
 
-}  // namespace pierce::bvh
+}  // namespace pierce

@@ -1,5 +1,5 @@
 // What float32 leaves out before the exact triangle test: nothing that it meets.
-#include "core/trace/bvh/triangle_sieve.hpp"
+#include "core/trace/triangle_sieve.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/random.hpp"
 
-namespace pierce::bvh {
+namespace pierce {
 namespace {
 
 /// Rays at points in, near and on the edges of leaves' triangles, small and far from the origin
@@ -53,4 +53,4 @@ TEST(TriangleSieveTest, LeavesOutNothingThatIsMet) {
 }
 
 }  // namespace
-}  // namespace pierce::bvh
+}  // namespace pierce
