@@ -21,6 +21,7 @@
 #include "pierce/bullet/bullet_convert.hpp"
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
+#include "scenes/named/hard_meshes.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/random.hpp"
 
@@ -29,6 +30,13 @@ namespace {
 
 constexpr btScalar dt = btScalar(1.0 / 60);
 
+void add_triangles(btTriangleMesh& triangles, const MeshData& mesh) {
+    for (const Triangle& t : mesh.triangles)
+        triangles.addTriangle(bullet::to_bullet(mesh.positions[t.vertex[0]]),
+                              bullet::to_bullet(mesh.positions[t.vertex[1]]),
+                              bullet::to_bullet(mesh.positions[t.vertex[2]]));
+}
+
 /// A shape of Bullet's that reads a mesh in place.
 struct MeshShape {
     btTriangleMesh triangles;
@@ -36,7 +44,7 @@ struct MeshShape {
 
     static std::unique_ptr<MeshShape> gimpact(const MeshData& mesh) {
         auto made = std::make_unique<MeshShape>();
-        made->fill(mesh);
+        add_triangles(made->triangles, mesh);
         auto shape = std::make_unique<btGImpactMeshShape>(&made->triangles);
         shape->setMargin(btScalar(0.01));
         shape->updateBound();
@@ -45,17 +53,9 @@ struct MeshShape {
     }
     static std::unique_ptr<MeshShape> bvh(const MeshData& mesh) {
         auto made = std::make_unique<MeshShape>();
-        made->fill(mesh);
+        add_triangles(made->triangles, mesh);
         made->shape = std::make_unique<btBvhTriangleMeshShape>(&made->triangles, true);
         return made;
-    }
-
-private:
-    void fill(const MeshData& mesh) {
-        for (const Triangle& t : mesh.triangles)
-            triangles.addTriangle(bullet::to_bullet(mesh.positions[t.vertex[0]]),
-                                  bullet::to_bullet(mesh.positions[t.vertex[1]]),
-                                  bullet::to_bullet(mesh.positions[t.vertex[2]]));
     }
 };
 
@@ -805,15 +805,8 @@ TEST(InstallTest, AShapeThatTakesAnothersPlaceIsSeen) {
     StockWorld scene;
     bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts);
     btTriangleMesh small, large;
-    const auto fill = [](btTriangleMesh& triangles, float size) {
-        const MeshData box = scenes::box({-size, -size, -size}, {size, size, size});
-        for (const Triangle& t : box.triangles)
-            triangles.addTriangle(bullet::to_bullet(box.positions[t.vertex[0]]),
-                                  bullet::to_bullet(box.positions[t.vertex[1]]),
-                                  bullet::to_bullet(box.positions[t.vertex[2]]));
-    };
-    fill(small, 0.1f);
-    fill(large, 0.4f);
+    add_triangles(small, scenes::box({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}));
+    add_triangles(large, scenes::box({-0.4, -0.4, -0.4}, {0.4, 0.4, 0.4}));
     std::optional<btGImpactMeshShape> shape;
     shape.emplace(&small);
     shape->updateBound();
@@ -832,26 +825,11 @@ TEST(InstallTest, AShapeThatTakesAnothersPlaceIsSeen) {
 }
 
 TEST(InstallTest, AnotherShapeOfTheSameSizeInItsPlaceIsSeen) {
-    const auto put = [](btTriangleMesh& triangles, const MeshData& mesh) {
-        for (const Triangle& t : mesh.triangles)
-            triangles.addTriangle(bullet::to_bullet(mesh.positions[t.vertex[0]]),
-                                  bullet::to_bullet(mesh.positions[t.vertex[1]]),
-                                  bullet::to_bullet(mesh.positions[t.vertex[2]]));
-    };
     StockWorld scene;
     bullet::install(scene.bullet, scene.contacts);
     btTriangleMesh block, diamond;
-    put(block, scenes::box({-1, -1, -1}, {1, 1, 1}));
-    put(diamond,
-        {.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
-         .triangles = {{{0, 2, 4}},
-                       {{2, 1, 4}},
-                       {{1, 3, 4}},
-                       {{3, 0, 4}},
-                       {{2, 0, 5}},
-                       {{1, 2, 5}},
-                       {{3, 1, 5}},
-                       {{0, 3, 5}}}});
+    add_triangles(block, scenes::box({-1, -1, -1}, {1, 1, 1}));
+    add_triangles(diamond, scenes::hard::octahedron());
     std::optional<btGImpactMeshShape> shape;
     shape.emplace(&block);
     shape->updateBound();

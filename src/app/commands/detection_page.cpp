@@ -27,6 +27,12 @@ std::string quoted(const std::string& text) {
     return result + "'";
 }
 
+/// A value as an option of a command takes it.
+std::string option_value(const json& value) {
+    if (value.is_boolean()) return value.get<bool>() ? "on" : "off";
+    return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
 /// The beginning of a command that explains a frame of a recording as `settings`, by rays_json(),
 /// have found it.
 std::string explain_command(const std::filesystem::path& recording, const json& settings) {
@@ -38,11 +44,8 @@ std::string explain_command(const std::filesystem::path& recording, const json& 
           std::pair{"predict", "--predict"}, std::pair{"may_rest", "--rest"},
           std::pair{"full_every", "--full-every"}, std::pair{"inside", "--inside"}}) {
         const json& value = settings.at(key);
-        if (value == standard.at(key)) continue;
-        command += fmt::format(" {} ", option);
-        command += value.is_boolean()  ? value.get<bool>() ? "on" : "off"
-                   : value.is_string() ? value.get<std::string>()
-                                       : value.dump();
+        if (value != standard.at(key))
+            command += fmt::format(" {} {}", option, option_value(value));
     }
     return command;
 }
@@ -55,7 +58,7 @@ DetectionPage::DetectionPage(PageOptions options, World* world, const std::strin
     if (options_.file.empty()) return;
     if (world == nullptr) throw InputError("--html needs --method rays: it shows their contacts");
     check_writable(options_.file);
-    std::map<BodyId, std::string> names;
+    std::map<BodyId, std::string> names;  // a scene removes no body
     for (const std::string& name : body_names)
         names.emplace(BodyId{static_cast<std::uint32_t>(names.size()), 1}, name);
     page_.emplace(page::ScenePage::Options{

@@ -101,8 +101,7 @@ private:
         require((m.odometer == 0 || (m.odometer > 0 && m.odometer < limit)) && m.step >= 0 &&
                 std::isfinite(m.step) && std::isfinite(m.at_full));
         if (!stages::is_asked(source, target, k.pair.is_self(), i % 2)) return;
-        const std::uint32_t first = memory_.directed[i].first_block,
-                            count = block_count(source.mesh);
+        const std::uint32_t first = m.first_block, count = block_count(source.mesh);
         require_range(first, count, memory_.blocks.size());
         for (std::uint32_t b = 0; b < count; ++b) {
             const BlockRecord& block = memory_.blocks[first + b];
