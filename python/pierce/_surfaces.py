@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 from trimesh.triangles import closest_point
@@ -26,9 +24,8 @@ def vertex_distance(ours: Floats, theirs: Floats) -> float:
 
 def closest_points(s: Floats, t: Floats) -> tuple[Floats, Floats]:
     """Where triangles that are apart, (n, 3, 3) each, are closest to each other."""
-    on_triangles: Any = closest_point
-    candidates = [(s[:, k], on_triangles(t, s[:, k])) for k in range(3)]
-    candidates += [(on_triangles(s, t[:, k]), t[:, k]) for k in range(3)]
+    candidates = [(s[:, k], _closest_on_triangles(t, s[:, k])) for k in range(3)]
+    candidates += [(_closest_on_triangles(s, t[:, k]), t[:, k]) for k in range(3)]
     for k in range(3):
         for m in range(3):
             first = s[:, k], s[:, (k + 1) % 3]
@@ -37,6 +34,19 @@ def closest_points(s: Floats, t: Floats) -> tuple[Floats, Floats]:
     best = np.argmin(np.linalg.norm(ours - theirs, axis=2), axis=0)
     each = np.arange(len(s))
     return ours[best, each], theirs[best, each]
+
+
+def _closest_on_triangles(triangles: Floats, points: Floats) -> Floats:
+    """The points of triangles, (n, 3, 3), that are closest to points, (n, 3).
+
+    trimesh decides with absolute lengths, so it is asked for triangles of the size one.
+    """
+    origin = triangles[:, 0]
+    size = np.abs(triangles - origin[:, None]).max(axis=(1, 2))[:, None]
+    size[size == 0] = 1
+    ones, at = (triangles - origin[:, None]) / size[:, None], (points - origin) / size
+    found: Floats = closest_point(ones, at)  # type: ignore[no-untyped-call]
+    return origin + size * found
 
 
 def _closest_on_segments(

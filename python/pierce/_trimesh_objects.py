@@ -38,6 +38,7 @@ class Shape:
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         self.vertices = np.array(mesh.vertices, dtype=np.float64)
         self.faces = np.array(mesh.faces, dtype=np.int64)
+        self.used = np.unique(self.faces)
         self._data = self.vertices.astype(np.float32), self.faces.astype(np.uint32)
         self.solid = _core.Mesh.make(self._data)
         if self.solid.inside.exists and self.solid.traits.volume < 0:
@@ -89,13 +90,17 @@ class Object:
         self.shape = Shape.of(mesh)
         self.transform = rigid_transform(np.eye(4) if transform is None else transform)
 
-    def points(self) -> Floats:
-        """World positions of the vertices, (n, 3)."""
+    def vertices(self) -> Floats:
+        """World positions of all vertices of the mesh, (n, 3)."""
         return self.shape.vertices @ self.transform[:3, :3].T + self.transform[:3, 3]
+
+    def points(self) -> Floats:
+        """World positions of the vertices that faces have, (k, 3)."""
+        return self.vertices()[self.shape.used]
 
     def triangles(self) -> Floats:
         """World positions of the corners of all faces, (m, 3, 3)."""
-        return self.points()[self.shape.faces]
+        return self.vertices()[self.shape.faces]
 
 
 def rigid_transform(transform: ArrayLike) -> Floats:

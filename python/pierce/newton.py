@@ -483,7 +483,9 @@ def _mesh_data(
     if kind == newton.GeoType.BOX:
         source = newton.Mesh.create_box(1.0, duplicate_vertices=False)
     elif kind == newton.GeoType.CONVEX_MESH:
-        source = source.compute_convex_hull()
+        # Without a limit: to leave out vertices makes a hull smaller.
+        whole = newton.Mesh(source.vertices, source.indices, compute_inertia=False, maxhullvert=0)
+        source = whole.compute_convex_hull()
     triangles = np.asarray(source.indices, dtype=np.uint32).reshape(-1, 3)
     if np.prod(scale) < 0:
         triangles = np.ascontiguousarray(triangles[:, ::-1])

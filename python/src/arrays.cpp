@@ -99,11 +99,26 @@ Array cuda_array_of(nb::handle given, const char* what) {
                  nb::device::cuda::value, 0);
 }
 
+/// True if an array was given. Buffers that leave their strides out, such as arrays of ctypes, are
+/// read by NumPy: nanobind would read the strides.
+bool is_array(nb::handle given, Array& array) {
+    if (PyObject_CheckBuffer(given.ptr()) == 0) return nb::try_cast(given, array);
+    Py_buffer view;
+    if (PyObject_GetBuffer(given.ptr(), &view, PyBUF_FULL_RO) != 0) {
+        PyErr_Clear();
+        return nb::try_cast(given, array);
+    }
+    const bool has_strides = view.strides != nullptr || view.ndim == 0;
+    PyBuffer_Release(&view);
+    return has_strides ? nb::try_cast(given, array)
+                       : nb::try_cast(nb::module_::import_("numpy").attr("asarray")(given), array);
+}
+
 }  // namespace
 
 Array array_of(nb::handle given, const char* what) {
     Array array;
-    if (nb::try_cast(given, array)) return array;
+    if (is_array(given, array)) return array;
     if (nb::hasattr(given, "__cuda_array_interface__")) return cuda_array_of(given, what);
     throw nb::type_error((std::string(what) +
                           ": expected an array, with DLPack, the buffer protocol or "
@@ -147,7 +162,7 @@ std::vector<BodyId> bodies_of(nb::handle given) {
     std::vector<BodyId> bodies;
     Array array;
     if (!nb::isinstance<nb::list>(given) && !nb::isinstance<nb::tuple>(given) &&
-        nb::try_cast(given, array)) {
+        is_array(given, array)) {
         if (array.dtype() != nb::dtype<std::uint64_t>() || array.ndim() != 1 ||
             !is_in_c_order(array) || !is_on_host(array))
             throw nb::type_error(

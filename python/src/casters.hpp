@@ -22,7 +22,9 @@ inline std::string text_of_any(nanobind::handle value) {
 /// A vector of three is a tuple in Python; any sequence of three numbers is taken for it.
 template <>
 struct nanobind::detail::type_caster<pierce::Vec3d> {
-    NB_TYPE_CASTER(pierce::Vec3d, const_name("tuple[float, float, float]"))
+    NB_TYPE_CASTER(pierce::Vec3d,
+                   io_name("collections.abc.Sequence[float] | numpy.typing.NDArray[numpy.floating]",
+                           "tuple[float, float, float]"))
 
     bool from_python(handle given, std::uint8_t, cleanup_list*) noexcept {
         if (PySequence_Check(given.ptr()) == 0 || PySequence_Size(given.ptr()) != 3) {

@@ -219,6 +219,10 @@ void bind_contacts(nb::module_& module) {
             nb::arg("which"), nb::sig("def __getitem__(self, which: int | slice) -> Contacts"),
             "One contact, or some that follow each other, without a copy.")
         .def(
+            "__iter__", [](nb::handle self) { return nb::steal(PySeqIter_New(self.ptr())); },
+            nb::sig("def __iter__(self) -> collections.abc.Iterator[Contacts]"),
+            "The contacts one by one. NumPy's arrays of all of them are faster.")
+        .def(
             "of_pair",
             [](const Contacts& c, BodyId one, BodyId other) {
                 const BodyId a = std::min(one, other), b = std::max(one, other);

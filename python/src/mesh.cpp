@@ -92,11 +92,38 @@ MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint3
         } catch (nb::python_error& error) {
             // Ctrl-C is raised again when the call is over.
             if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
+            if (error.matches(PyExc_ReferenceError)) return;  // the callback is gone
             error.discard_as_unraisable("the progress callback of a mesh");
         }
     };
     return options;
 }
+
+namespace {
+
+/// A callback may hold the mesh that has it. So the mesh has it as an attribute, where the garbage
+/// collector sees it, and calls it through a weak reference.
+nb::object make_mesh(nb::handle mesh, const std::string& name, nb::handle inside,
+                     const std::string& cache, std::uint32_t threads, nb::handle progress) {
+    MeshData data = mesh_data_of(mesh);
+    nb::object call = nb::borrow(progress);
+    if (!progress.is_none()) call = nb::steal(PyWeakref_NewProxy(progress.ptr(), nullptr));
+    if (!call.is_valid()) {  // an object with slots, for example, may have no weak references
+        PyErr_Clear();
+        call = nb::borrow(progress);
+    }
+    MeshOptions options = mesh_options(inside, cache, threads, call);
+    std::shared_ptr<Mesh> made;
+    {
+        const WithoutGil without_gil;
+        made = std::make_shared<Mesh>(name, std::move(data), std::move(options));
+    }
+    nb::object result = nb::cast(std::move(made));
+    if (!progress.is_none()) result.attr("_progress") = progress;
+    return result;
+}
+
+}  // namespace
 
 void bind_meshes(nb::module_& module) {
     nb::enum_<Inside>(module, "Inside", "What decides whether a point is inside a mesh.")
@@ -166,19 +193,14 @@ void bind_meshes(nb::module_& module) {
             "sound", [](const MeshReport& r) { return r.sound(); },
             "nothing was found that changes detection");
 
-    nb::class_<Mesh>(module, "Mesh",
+    nb::class_<Mesh>(module, "Mesh", nb::dynamic_attr(),
                      "Topology and rest shape; any number of bodies and worlds share it.")
         .def_static(
-            "make",
-            [](nb::handle mesh, const std::string& name, nb::handle inside,
-               const std::string& cache, std::uint32_t threads, nb::handle progress) {
-                MeshData data = mesh_data_of(mesh);
-                MeshOptions options = mesh_options(inside, cache, threads, progress);
-                const WithoutGil without_gil;
-                return std::make_shared<Mesh>(name, std::move(data), std::move(options));
-            },
-            nb::arg("mesh"), nb::arg("name") = "mesh", nb::arg("inside") = "automatic",
-            nb::arg("cache") = "", nb::arg("threads") = 0, nb::arg("progress") = nb::none(),
+            "make", &make_mesh, nb::arg("mesh"), nb::arg("name") = "mesh",
+            nb::arg("inside") = "automatic", nb::arg("cache") = "", nb::arg("threads") = 0,
+            nb::arg("progress") = nb::none(),
+            nb::sig("def make(mesh: object, name: str = 'mesh', inside: object = 'automatic', "
+                    "cache: str = '', threads: int = 0, progress: object | None = None) -> Mesh"),
             "Checks a mesh: a trimesh or meshio mesh, or a pair (vertices (n, 3), triangles (m, "
             "3)), counter-clockwise seen from outside. `cache`: a folder in which what is measured "
             "is kept. `progress`: called with what is made and its share. Raises InputError.")

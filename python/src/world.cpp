@@ -1,5 +1,6 @@
 #include "world.hpp"
 
+#include <bit>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -27,13 +28,17 @@ bool PyWorld::wants(BodyId a, BodyId b) {
     }
 }
 
-void PyWorld::keep_progress(std::shared_ptr<nb::object> callback) {
-    // What lets go of a callback may run Python, which may look at `progress`.
-    std::vector<std::shared_ptr<nb::object>> kept, last = std::exchange(progress, {});
+void PyWorld::keep(Kept& kept, std::shared_ptr<nb::object> object) {
+    if (std::has_single_bit(kept.size())) let_go(kept);
+    if (object != nullptr) kept.push_back(std::move(object));
+}
+
+void PyWorld::let_go(Kept& kept) {
+    // What lets go of an object may run Python, which may look at the list.
+    Kept now, last = std::exchange(kept, {});
     for (std::shared_ptr<nb::object>& each : last)
-        if (each.use_count() > 1) kept.push_back(std::move(each));
-    if (callback != nullptr) kept.push_back(std::move(callback));
-    progress = std::move(kept);
+        if (each.use_count() > 1) now.push_back(std::move(each));
+    kept = std::move(now);
 }
 
 void PyWorld::rethrow() {
@@ -59,15 +64,18 @@ MeshId add_mesh(PyWorld& self, nb::handle mesh, const std::string& name, nb::han
             throw nb::value_error(
                 "add_mesh: a Mesh is made already; `inside`, `before` and `cache` are for others");
         // The Python object lives as long as some world has its mesh.
-        const std::shared_ptr<const Mesh> shared(shared_object(nb::borrow(mesh)),
-                                                 &nb::cast<const Mesh&>(mesh));
-        return Use(self)->add_mesh(shared);
+        const std::shared_ptr<nb::object> object = shared_object(nb::borrow(mesh));
+        const Use world(self);
+        const MeshId id = world->add_mesh(
+            std::shared_ptr<const Mesh>(object, &nb::cast<const Mesh&>(mesh)));
+        PyWorld::keep(self.meshes, object);
+        return id;
     }
     MeshData data = mesh_data_of(mesh);
     std::shared_ptr<nb::object> callback;
     MeshOptions options = mesh_options(inside, cache, threads, progress, &callback);
     const Use world(self);
-    self.keep_progress(std::move(callback));
+    PyWorld::keep(self.progress, std::move(callback));
     const Mesh* last = nullptr;
     if (nb::isinstance<Mesh>(before))
         last = &nb::cast<const Mesh&>(before);
@@ -100,7 +108,8 @@ int visit_world(PyObject* self, visitproc visit, void* arg) {
     const PyWorld* world = nb::inst_ptr<PyWorld>(self);
     Py_VISIT(world->filter.ptr());
     Py_VISIT(world->stream.ptr());
-    for (const std::shared_ptr<nb::object>& callback : world->progress) Py_VISIT(callback->ptr());
+    for (const PyWorld::Kept* kept : {&world->progress, &world->meshes})
+        for (const std::shared_ptr<nb::object>& object : *kept) Py_VISIT(object->ptr());
     return 0;
 }
 int clear_world(PyObject* self) {
@@ -137,7 +146,11 @@ void bind_bodies(nb::class_<PyWorld>& c) {
           "pair (vertices (n, 3), triangles (m, 3)). `before`: the mesh, by handle or as a Mesh, "
           "that it was before it was cut, torn or grown. Raises InputError.")
         .def(
-            "remove_mesh", [](PyWorld& w, MeshId mesh) { Use(w)->remove_mesh(mesh); },
+            "remove_mesh",
+            [](PyWorld& w, MeshId mesh) {
+                Use(w)->remove_mesh(mesh);
+                for (PyWorld::Kept* kept : {&w.progress, &w.meshes}) PyWorld::let_go(*kept);
+            },
             nb::arg("mesh"), "Raises InputError while a body uses the mesh.")
         .def(
             "mesh", [](PyWorld& w, MeshId mesh) { return Use(w)->share_mesh(mesh); },

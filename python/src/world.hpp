@@ -20,23 +20,29 @@ namespace nb = nanobind;
 
 /// A World in Python. One thread uses it at a time.
 struct PyWorld {
+    /// Objects that the world in C++ has. The garbage collector has to see them.
+    using Kept = std::vector<std::shared_ptr<nb::object>>;
+
     std::shared_ptr<World> world;
     bool on_device = false;
     std::uint64_t steps = 0;  ///< that Python has run
     std::mutex busy;
     KeptArrays places, starts;
-    nb::object stream;                                  ///< kept while steps wait for it
-    nb::object filter;                                  ///< of pairs; the world calls it
-    std::exception_ptr failure;                         ///< of the filter, in this call
-    std::vector<std::shared_ptr<nb::object>> progress;  ///< callbacks of meshes that were added as
-                                                        ///< arrays
+    nb::object stream;           ///< kept while steps wait for it
+    nb::object filter;           ///< of pairs; the world calls it
+    std::exception_ptr failure;  ///< of the filter, in this call
+    Kept progress;               ///< callbacks of meshes that were added as
+                                 ///< arrays
+    Kept meshes;                 ///< that were added as objects
 
     /// Asks the filter; what it throws is kept until the call is over, and the pair is left out.
     bool wants(BodyId a, BodyId b);
     /// To be called after calls that ask it: throws what it has thrown.
     void rethrow();
-    /// Keeps a callback of a mesh, and lets go of those that no mesh has any more.
-    void keep_progress(std::shared_ptr<nb::object> callback);
+    /// Notes an object that the world has. As the list grows, it lets go of others.
+    static void keep(Kept& kept, std::shared_ptr<nb::object> object);
+    /// Lets go of objects that the world has no longer.
+    static void let_go(Kept& kept);
 
     PyWorld(std::shared_ptr<World> its_world, bool runs_on_device)
         : world(std::move(its_world)), on_device(runs_on_device) {}

@@ -1,5 +1,7 @@
 """Arrays of any shape, type, order and life: they are read as they are, or refused in words."""
 
+import ctypes
+
 import numpy as np
 import pierce
 import pytest
@@ -134,6 +136,24 @@ def test_handles_of_what_was_removed(two_tori):
     for call in (world.remove_body, world.mesh_of, world.collision_of):
         refused(pierce.InputError, "body", call, soft)
     refused(pierce.InputError, "null", world.mesh_of, pierce.BodyId())
+
+
+def test_arrays_of_ctypes(two_tori):
+    """They leave the strides of their buffer out."""
+    world, rigid, soft, positions = two_tori
+    expected = world.detect().hash
+    points = (ctypes.c_float * 3 * 300).from_buffer_copy(positions.tobytes())
+    pose = (ctypes.c_double * 7 * 1)((0, 0, 0, 0, 0, 0, 1))
+    before = world.pose_of(rigid)
+    world.set_positions(soft, points)
+    world.set_motion(soft, points, points)
+    handle = int(pierce.ids([rigid])[0])
+    world.set_poses((ctypes.c_uint64 * 1)(handle), pose)
+    assert world.pose_of(rigid).position == (0, 0, 0)
+    world.set_pose(rigid, before)
+    world.set_positions(soft, points)
+    assert world.detect().hash == expected
+    refused(ValueError, "got float32 of shape", world.set_positions, soft, (ctypes.c_float * 900)())
 
 
 def test_arrays_of_other_packages(two_tori):

@@ -386,6 +386,21 @@ def test_scaled_and_mirrored_meshes_are_solid(scale):
     assert pipeline.world.contacts.distance.min() < -0.02
 
 
+def test_a_hull_has_all_vertices_of_its_mesh():
+    """Newton's own one is made of 64 of them, unless a mesh says otherwise."""
+    steps = np.arange(500)
+    height, turn = 1 - (2 * steps + 1) / 500, np.pi * (1 + np.sqrt(5)) * steps
+    ring = np.sqrt(1 - height**2)
+    ball = np.stack([ring * np.cos(turn), ring * np.sin(turn), height], axis=1)
+    mesh = mesh_of((ball.astype(np.float32), np.array([[0, 1, 2]])), compute_inertia=False)
+    for way in ball[:40]:
+        builder = newton.ModelBuilder()
+        add(builder, (0, 0, 0), Look(gap=0.0), shape="hull", mesh=mesh)
+        add(builder, tuple(1.98 * way), Look(gap=0.0), shape="hull", mesh=mesh)
+        found = collided(made(builder))[0].world.contacts
+        assert -0.021 < found.distance.min() < -0.01
+
+
 def test_boxes_rest_where_newton_lets_them_rest():
     builder = newton.ModelBuilder()
     look = Look(density=1000.0, mu=0.5, margin=0.01, gap=0.01)

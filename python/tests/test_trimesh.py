@@ -353,6 +353,37 @@ def test_distances_of_surfaces():
     assert manager.min_distance_single(CUBE) == 0.0
 
 
+@pytest.mark.parametrize("mesh", [CUBE, SQUARE])
+def test_a_vertex_without_faces_is_no_place(mesh):
+    stray = trimesh.Trimesh([*mesh.vertices, [7.5, 0, 0]], mesh.faces, process=False)
+    manager = CollisionManager()
+    manager.add_object("stray", stray)
+    manager.add_object("other", CUBE, at(0, 0, 9))
+    expected = CollisionManager()
+    expected.add_object("stray", mesh)
+    expected.add_object("other", CUBE, at(0, 0, 9))
+    for place in (at(8), at(2, 1, 7)):
+        assert manager.min_distance_single(CUBE, place, return_name=True) == (
+            expected.min_distance_single(CUBE, place, return_name=True)
+        )
+    assert manager.min_distance_internal() == expected.min_distance_internal()
+
+
+def test_distances_do_not_depend_on_the_unit():
+    rng = np.random.default_rng(int(os.environ.get("PIERCE_TEST_SEED", 8)))
+    for _ in range(20):
+        place = random_place(rng, 2) @ at(0, 0, 2)
+        found = []
+        for unit in (1.0, 2.0**-13):
+            square, cube = (mesh.copy().apply_scale(unit) for mesh in (SQUARE, CUBE))
+            there = place.copy()
+            there[:3, 3] *= unit
+            manager = CollisionManager()
+            manager.add_object("square", square)
+            found.append(manager.min_distance_single(cube, there) / unit)
+        assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
 @pytest.mark.parametrize("kind", ["torus", "box", "square"])
 def test_random_distances_are_those_of_fcl(kind):
     pytest.importorskip("fcl", reason="python-fcl is not installed")

@@ -424,6 +424,44 @@ def test_a_progress_callback_is_counted_as_often_as_it_is_kept():
     assert sys.getrefcount(progress) == before
 
 
+def test_a_progress_callback_may_hold_its_mesh():
+    class Asset:
+        def __init__(self, add):
+            self.mesh = pierce.Mesh.make(torus(), progress=self.show)
+            self.world = pierce.World("reference")
+            if add:
+                self.world.add_mesh(self.mesh)
+
+        def show(self, what, share):
+            pass
+
+    gone = [weakref.ref(Asset(add)) for add in (False, True)]
+    gc.collect()
+    assert [each() for each in gone] == [None, None]
+    script = """
+import numpy as np, pierce
+points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
+faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], np.uint32)
+mesh = pierce.Mesh.make((points, faces), progress=lambda what, share: None)
+world = pierce.World("reference")
+world.add_rigid_body(world.add_mesh(mesh))
+world.detect()
+"""
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert ended.returncode == 0 and ended.stderr == ""
+
+
+def test_a_removed_mesh_is_let_go():
+    world = pierce.World("reference")
+    mesh = pierce.Mesh.make(torus())
+    before = sys.getrefcount(mesh)
+    ids = [world.add_mesh(mesh) for _ in range(5)]
+    assert sys.getrefcount(mesh) == before + 5
+    for each in ids:
+        world.remove_mesh(each)
+    assert sys.getrefcount(mesh) == before
+
+
 @pytest.mark.parametrize("ask", [lambda w: w.plan, repr, lambda w: w.detect(), lambda w: w.save()])
 def test_measuring_meshes_tells_how_far_it_is(ask):
     """Python must be free to run, or the callback waits for it for ever."""

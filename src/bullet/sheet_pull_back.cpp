@@ -34,6 +34,19 @@ void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double 
     sheet.pulled_back[vertex] = true;
 }
 
+/// Puts a rigid body back to where the step began, if it moves and is free to.
+SheetResponse::State::Hold SheetResponse::State::hold(BodyId body) {
+    const auto found = obstacle_of.find(body);
+    // Things that do not move have not met; they are only too close together to be told apart.
+    if (found == obstacle_of.end()) return Hold::stands;
+    Obstacle& o = obstacles[found->second];
+    if (o.start == o.end) return Hold::stands;
+    if (!(o.moving.inverse_mass > 0)) return Hold::is_led;
+    o.end = o.start;
+    o.is_held = true;
+    return Hold::held;
+}
+
 /// Pulls back all vertices of triangles with a vertex that was pulled back before.
 void SheetResponse::State::pull_back_around(Sheet& sheet) {
     const std::vector<bool> before = sheet.pulled_back;
@@ -42,8 +55,8 @@ void SheetResponse::State::pull_back_around(Sheet& sheet) {
             for (std::uint32_t v : t.vertex) pull_back(sheet, v, 0);
 }
 
-/// Pulls back the vertices of all features that have met; false if none of them can go back any
-/// further.
+/// Pulls back the vertices of all features that have met, and rigid bodies where no vertex can go
+/// back any further; false if nothing can.
 bool SheetResponse::State::pull_back(std::uint32_t attempt) {
     bool moved = false;
     report.crossings_left = 0;
@@ -60,14 +73,13 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
             could = true;
             pull_back(sheet, v, attempt < gentle_attempts ? way_kept * c.time : 0.0);
         });
+        if (!could) {
+            const Hold first = hold(c.a), second = hold(c.b);
+            could = first == Hold::held || second == Hold::held;
+            if (!could && (first == Hold::is_led || second == Hold::is_led))
+                ++report.crossings_left;
+        }
         moved |= could;
-        // Things that do not move have not met; they are only too close together to be told apart.
-        const auto moves = [&](BodyId body) {
-            const auto found = obstacle_of.find(body);
-            return found != obstacle_of.end() &&
-                   !(obstacles[found->second].start == obstacles[found->second].end);
-        };
-        if (!could && (moves(c.a) || moves(c.b))) ++report.crossings_left;
     }
     if (!moved) return false;
     for (const auto& sheet : sheets) {

@@ -89,6 +89,7 @@ void SheetResponse::State::read_step() {
         o.end = from_bullet(o.rigid->getWorldTransform());
         o.shift = o.turn = o.impulse = {};
         o.moving = {};
+        o.is_held = false;
         if (o.rigid->isStaticOrKinematicObject() || !o.rigid->isActive()) continue;
         o.moving.inverse_mass = o.rigid->getInvMass();
         for (int r = 0; r < 3; ++r)
@@ -247,7 +248,13 @@ void SheetResponse::State::write_step(double dt) {
     }
     for (Obstacle& o : obstacles) {
         btRigidBody& rigid = *o.rigid;
-        if (o.moving.inverse_mass > 0 && !(o.shift == Vec3d{} && o.turn == Vec3d{})) {
+        if (o.is_held) {
+            ++report.held_bodies;
+            rigid.setCenterOfMassTransform(to_bullet(o.start));
+            rigid.setLinearVelocity({0, 0, 0});
+            rigid.setAngularVelocity({0, 0, 0});
+            o.end = from_bullet(rigid.getWorldTransform());
+        } else if (o.moving.inverse_mass > 0 && !(o.shift == Vec3d{} && o.turn == Vec3d{})) {
             ++report.moved_bodies;
             rigid.setCenterOfMassTransform(to_bullet(o.end));
             rigid.setLinearVelocity(rigid.getLinearVelocity() + to_bullet((1 / dt) * o.shift));

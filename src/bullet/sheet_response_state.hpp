@@ -29,6 +29,7 @@ struct Obstacle {
     Pose start, end;
     MovingBody moving;
     Vec3d shift, turn, impulse;  ///< summed over all rounds
+    bool is_held = false;        ///< put back to where the step began
 };
 
 struct SheetResponse::State {
@@ -56,6 +57,8 @@ struct SheetResponse::State {
     bool pull_back(std::uint32_t attempt);
     void pull_back(Sheet& sheet, std::uint32_t vertex, double share);
     void pull_back_around(Sheet& sheet);
+    enum class Hold { stands, is_led, held };
+    Hold hold(BodyId body);
     void write_step(double dt);
 
     bool concerns_sheet(const Contact& c) const {

@@ -205,6 +205,42 @@ TEST_F(SheetResponseTest, AnObstacleThatLeavesNoRoomIsReported) {
     EXPECT_GT(left, 0u);
 }
 
+/// A heavy box falls on a sheet that lies on a floor.
+TEST_F(SheetResponseTest, AHeavyFreeBodyIsHeldWhereTheSheetCannotGoBack) {
+    make(1, {});
+    constexpr double floor = height - 0.03, half = 0.05, speed = 20;
+    const MeshData block = scenes::box({-0.3, -0.2, -half}, {0.3, 0.2, half});
+    world.add_fixed_body(world.add_mesh("floor", scenes::box({-2, -2, -1}, {2, 2, 0})),
+                         {{0, 0, floor}, {}});
+    btBoxShape shape({btScalar(0.3), btScalar(0.2), btScalar(half)});
+    btVector3 inertia;
+    shape.calculateLocalInertia(1e4, inertia);
+    btRigidBody rigid(btRigidBody::btRigidBodyConstructionInfo(1e4, nullptr, &shape, inertia));
+    Pose at{{0, 0, height + 0.3}, {}};
+    const BodyId id = world.add_rigid_body(world.add_mesh("block", block), at);
+    rigid.setWorldTransform(to_bullet(at));
+    rigid.updateInertiaTensor();
+    response->bind(rigid, id);
+    std::uint32_t held = 0;
+    for (int i = 0; i < 8; ++i) {
+        rigid.setWorldTransform(to_bullet({at.position - Vec3d{0, 0, speed * dt}, at.rotation}));
+        rigid.setLinearVelocity({0, 0, btScalar(-speed)});
+        const SheetReport& report = step([](std::uint32_t, std::uint32_t) { return Vec3d{}; });
+        held += report.held_bodies;
+        EXPECT_EQ(report.crossings_left, 0u);
+        if (report.held_bodies > 0) {
+            EXPECT_EQ(from_bullet(rigid.getLinearVelocity()), Vec3d{});
+        }
+        at = from_bullet(rigid.getWorldTransform());
+        EXPECT_EQ(scenes::crossings(mesh.triangles, positions(0), block.triangles,
+                                    test::placed(block, at))
+                      .count,
+                  0u);
+        EXPECT_GT(at.position.z - half, floor) << "step " << i;
+    }
+    EXPECT_GT(held, 0u);
+}
+
 /// A sheet that is thrown at a box beside its centre.
 struct ThrownSheet {
     btBoxShape shape{btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.1))};

@@ -168,6 +168,52 @@ TEST_P(SheetsTest, AVertexThatSinksFastIsRemembered) {
     }
 }
 
+/// Whether boxes of bodies are apart, which hangs on how they lie, has nothing to do with it; how
+/// deep it is has.
+TEST_P(SheetsTest, WhatIsThroughIsRememberedUpToADepth) {
+    const MeshData ground = flat(4, 0.5f, {-1, -1, 0}), small = flat(2, 0.2f, {-0.13f, -0.17f, 0});
+    for (const Temporal temporal : {Temporal::off, Temporal::paper, Temporal::certified})
+        for (const double tilt : {0.0, 0.5})
+            for (const bool is_sheet : {false, true})
+                for (const float depth : {0.2f, 1.0f, 1.2f}) {
+                    SCOPED_TRACE("tilt " + std::to_string(tilt) + ", depth " +
+                                 std::to_string(depth));
+                    World world(GetParam().make(), {.temporal = temporal});
+                    const auto tilted = [&](std::vector<Vec3f> points, float height) {
+                        for (Vec3f& p : points) {
+                            const double x = p.x, z = p.z + height;
+                            p = to_float({x * std::cos(tilt) - z * std::sin(tilt), p.y,
+                                          x * std::sin(tilt) + z * std::cos(tilt)});
+                        }
+                        return points;
+                    };
+                    const MeshData turned{tilted(ground.positions, 0), ground.triangles};
+                    if (is_sheet)
+                        add_sheet(world, turned, 0.05, SelfCollision::off);
+                    else
+                        world.add_fixed_body(world.add_mesh("ground", turned));
+                    const BodyId body = add_sheet(
+                        world, {tilted(small.positions, 0.1f), small.triangles}, 0.05);
+                    world.detect();
+                    const auto vertices = [&](float height) {
+                        world.set_positions(body, tilted(small.positions, height));
+                        world.detect();
+                        std::vector<Contact> found;
+                        for (const Contact& c : world.contacts())
+                            if (!c.is_edge() && c.source_body() == body) found.push_back(c);
+                        return found;
+                    };
+                    ASSERT_EQ(vertices(-depth).size(), 9u);
+                    // The mean edge of the ground is 0.57 long, and two of them are remembered.
+                    for (int k = 0; k < 2; ++k)
+                        EXPECT_EQ(vertices(-depth).size(), depth < 1.1f ? 9u : 0u);
+                    for (const Contact& c : vertices(-0.02f)) {
+                        EXPECT_EQ(c.found, depth < 1.1f ? Found::remembered : Found::near);
+                        EXPECT_NEAR(c.distance, depth < 1.1f ? -0.02 : 0.02, 1e-6);
+                    }
+                }
+}
+
 /// A side that is known stays known when something changes that has nothing to do with it.
 TEST_P(SheetsTest, SidesOutlastChangesOfMarginsAndOfOtherPairs) {
     // A sheet goes down over the tip of a solid.

@@ -21,7 +21,9 @@ struct BodyShape {
     View<const BoxNode> box_nodes;  ///< boxes around the triangles, in the body's space; of a
                                     ///< deforming body only where the plan needs boxes
     double range = 0;               ///< [length] longest ray of an open body
-    double margin = 0;              ///< [length] how near other solids are in contact
+    double memory = 0;  ///< [length] if there is a sheet: vertices that have been through
+                        ///< this surface are remembered up to this depth
+    double margin = 0;  ///< [length] how near other solids are in contact
     Collision collision;
     Filter filter;
     std::uint32_t world_place = 0;  ///< of the body's world among all worlds; bodies that are in
@@ -105,6 +107,8 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
 
     /// How far beyond its box and its touch tolerance another body may matter to this one.
     PIERCE_HD double outreach() const { return reach + travel + collision.thickness + margin; }
+    /// The same if the other one, or this one, is a sheet.
+    PIERCE_HD double outreach_of_sheets() const { return outreach() + memory; }
 
     /// True if it is certain that the surface goes around every point once or not at all. Then no
     /// ray from an outside point can leave the body before it enters. A deforming body may cross

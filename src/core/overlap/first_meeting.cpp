@@ -232,7 +232,8 @@ private:
             const MovingPoint second = on(c, d, impact.v);
             // Edges that are apart as they begin come from the side that they are on; the normals
             // of vertices need not say which that is.
-            if (!begins_in_skin && dot(normal, second.start - first.start) < -tolerance_)
+            if (!begins_in_skin &&
+                dot(normal, second.start - first.start) < -tolerance_ * length(normal))
                 normal = -normal;
             return made(time, at_time(first, time), normal, first, second);
         };

@@ -35,7 +35,8 @@ PlacedBox placed_box(const BodyView& body) {
 }  // namespace
 
 double reach_beyond_points(const BodyView& body, const Settings& settings) {
-    return longest_prediction(body, settings) + body.collision.thickness + body.margin;
+    return longest_prediction(body, settings) + body.collision.thickness + body.margin +
+           body.memory;
 }
 
 Box reach_on_host(const BodyView& body, const Settings& settings) {

@@ -43,7 +43,8 @@ public:
 
     Explanation answer() {
         if (pair_fails() || is_culled()) return result_;
-        const Ray ray = stages::vertex_ray(bodies_, directed_, vertex_, only_inside_);
+        Ray ray;
+        stages::aim_vertex_ray(bodies_, directed_, vertex_, only_inside_, ray);
         if (length_squared(ray.direction) == 0) return because(Reason::no_direction);
         trace(ray);
         return result_;

@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "pierce/bullet/bullet_convert.hpp"
+#include "scenes/simulate/sheet_crossings.hpp"
+
 namespace pierce::scenes {
 namespace {
 
-/// The part of the way to its neighbours by which a torn node is drawn back.
+/// The part of the way to its neighbours by which a torn node is drawn back; where it would pass
+/// through another triangle, half of it, and so on.
 constexpr btScalar drawn_back = btScalar(0.15);
+constexpr int halvings = 4;
 
 }  // namespace
 
@@ -144,13 +149,28 @@ bool Tearing::split(std::uint32_t node, btVector3 across) {
     return true;
 }
 
+/// How often the surface goes through itself.
+std::uint32_t Tearing::crossings() const {
+    std::vector<Vec3f> positions;
+    for (int i = 0; i < soft_.m_nodes.size(); ++i)
+        positions.push_back(bullet::from_bullet_float(soft_.m_nodes[i].m_x));
+    return self_crossings(mesh_.triangles, positions).count;
+}
+
 /// Draws a part of a node back into its own triangles, so that the two parts do not touch.
 void Tearing::draw_back(std::uint32_t node) {
     btVector3 sum(0, 0, 0);
     const Vertices all = around(node);
     for (std::uint32_t v : all) sum += soft_.m_nodes[static_cast<int>(v)].m_x;
     btVector3& at = soft_.m_nodes[static_cast<int>(node)].m_x;
-    at = at.lerp(sum / static_cast<btScalar>(all.size()), drawn_back);
+    const btVector3 torn = at, middle = sum / static_cast<btScalar>(all.size());
+    const std::uint32_t before = crossings();
+    btScalar share = drawn_back;
+    for (int k = 0; k <= halvings; ++k, share /= 2) {
+        at = torn.lerp(middle, share);
+        if (crossings() <= before) return;
+    }
+    at = torn;
 }
 
 /// A node that takes a share of another one's mass.

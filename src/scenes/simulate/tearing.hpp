@@ -37,6 +37,7 @@ private:
     bool hangs_together(std::uint32_t node, const Triangles& part) const;
     bool split(std::uint32_t node, btVector3 across);
     std::uint32_t add_node(std::uint32_t node, double share);
+    std::uint32_t crossings() const;
     void draw_back(std::uint32_t node);
     void divide_links(std::uint32_t node, std::uint32_t other, const Vertices& nearby,
                       btVector3 across);

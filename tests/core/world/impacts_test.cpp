@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "pierce/error.hpp"
+#include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/hard_cases.hpp"
 #include "scenes/named/shapes.hpp"
@@ -405,6 +406,42 @@ TEST(ImpactsTest, ATipInAGroove) {
                 world.set_motion(falls, {tip, upright}, {tip - Vec3d{0, 0, drop}, upright});
                 EXPECT_EQ(world.impacts().size(), 1u) << beside << " " << drop << " " << lift;
             }
+}
+
+/// All lengths are relative: in another unit the same boxes meet at the same time, and the way
+/// between them is the same one.
+TEST(ImpactsTest, TheUnitDoesNotMatter) {
+    test::Random random(31);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int edges = 0;
+    for (int i = 0; i < 400; ++i) {
+        std::array<Pose, 4> place;  // of two boxes as they begin, and as they end
+        for (Pose& p : place) p = {random.in_box(1.5), random.rotation()};
+        const auto meet = [&](double unit) {
+            const auto half = static_cast<float>(unit / 2);
+            World world(reference_backend());
+            const MeshId box = world.add_mesh(
+                "box", scenes::box({-half, -half, -half}, {half, half, half}));
+            const auto at = [&](int k) {
+                return Pose{unit * place[k].position, place[k].rotation};
+            };
+            for (const int k : {0, 1})
+                world.set_motion(world.add_rigid_body(box), at(k), at(k + 2));
+            return world.impacts();
+        };
+        const auto expected = meet(1);
+        edges += !expected.empty() && expected[0].edges;
+        for (const double unit : {0x1p-11, 0x1p-20, 0x1p20}) {
+            const auto impacts = meet(unit);
+            ASSERT_EQ(impacts.size(), expected.size()) << "motion " << i << ", unit " << unit;
+            for (std::size_t k = 0; k < impacts.size(); ++k) {
+                EXPECT_EQ(impacts[k].time, expected[k].time);
+                EXPECT_EQ(impacts[k].gap, unit * expected[k].gap) << "unit " << unit;
+                EXPECT_NEAR(dot(impacts[k].normal, expected[k].normal), 1, 1e-12);
+            }
+        }
+    }
+    EXPECT_GT(edges, 50);
 }
 
 /// The touch tolerance is that of contacts, not one of the large body.

@@ -32,7 +32,8 @@ enum class Coverage : std::uint8_t {
 /// How a world detects contacts. Every field has a default that suits any scale.
 struct Settings {
     /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh],
-    /// unless every vertex inside is in contact.
+    /// unless every vertex inside is in contact. What has been through a sheet's surface, or a
+    /// sheet through the body's, is remembered up to this depth (docs/cloth.md).
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::overlaps;

@@ -219,8 +219,9 @@ public:
     /// now; the world that is read has them on the host. Throws InputError if writing fails.
     void save(std::ostream& out) const;
     /// Reads a world that save() has written, on any backend. Handles stay valid, and the next
-    /// steps' contacts are those that the saved world would have had. Throws InputError for any
-    /// other content, whatever its version and whoever made it.
+    /// steps' contacts are those that the saved world would have had, but for Contact::found: what
+    /// stands still is looked for once more. Throws InputError for any other content, whatever its
+    /// version and whoever made it.
     static World restore(std::istream& in, std::unique_ptr<Backend> backend);
 
     /// For bodies that are fast for their size: the first meeting of every pair of solids that are

@@ -35,7 +35,7 @@ struct alignas(16) SweepItem {
         : body(index),
           moves(b.motion != Motion::fixed),
           meets_itself(b.active && b.collision.self != SelfCollision::off) {
-        const Box box = b.active ? b.world_box.inflated(b.touch + b.outreach()) : Box{};
+        const Box box = b.active ? b.world_box.inflated(b.touch + b.outreach_of_sheets()) : Box{};
         lower = {round_down(box.lower.x), round_down(box.lower.y), round_down(box.lower.z)};
         upper = {round_up(box.upper.x), round_up(box.upper.y), round_up(box.upper.z)};
     }
@@ -146,10 +146,13 @@ private:
     }
 };
 
-/// True if the oriented boxes of two bodies come as close as the touch tolerance.
+/// True if the oriented boxes of two bodies come as close as the bodies matter to each other.
 PIERCE_HD inline bool fits_overlap(const BodyView& a, const BodyView& b) {
+    const double more = a.collision.sheet || b.collision.sheet
+                            ? a.outreach_of_sheets() + b.outreach_of_sheets()
+                            : a.outreach() + b.outreach();
     return oriented_boxes_overlap(a.fit, a.fit_box, b.fit, b.fit_box,
-                                  max_of(a.touch, b.touch) + a.outreach() + b.outreach());
+                                  max_of(a.touch, b.touch) + more);
 }
 
 /// Which pairs the caller wants.

@@ -187,19 +187,19 @@ struct FillSheetContact {
             .normal = from_b ? m.out : -m.out,
             .face_normal = normalized(cross(corner[1] - corner[0], corner[2] - corner[0])),
             .padding_c = 0};
-        write_side_by_side(contacts.data, i, c);
+        write_side_by_side(contacts.data, i, [&](Contact& to) { to = c; });
         SheetRecord record;
         record.other = f.other;
         record.age = c.age;
-        record.side = m.distance < 0 ? judgement.side : std::int8_t{0};
+        const bool is_through = m.distance < 0 && -m.distance <= target.view.memory;
+        record.side = is_through ? judgement.side : std::int8_t{0};
         record.found = judgement.found;
         record.is_self = pair.is_self();
         record.is_edge = !is_vertex;
         record.distance = m.distance;
         records[i] = record;
-        if (is_vertex && m.distance < 0)
-            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(
-                                            round_up(min_of(-m.distance, target.view.range))));
+        if (is_vertex && is_through)
+            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(-m.distance)));
     }
 };
 

@@ -94,7 +94,7 @@ private:
         if constexpr (searching)
             write_whole(meetings[i], m);
         else
-            write_side_by_side(meetings.data, i, m);
+            write_side_by_side(meetings.data, i, [&](SheetMeeting& to) { to = m; });
         return judgement;
     }
 

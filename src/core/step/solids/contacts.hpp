@@ -184,6 +184,16 @@ struct FillContact {
             write_whole(contacts[i], kept);
             return sums_of(kept, first);
         }
+        ContactSums sums;
+        write_side_by_side(contacts.data, i, [&](Contact& c) {
+            fill(i, c);
+            sums = sums_of(c, first);
+        });
+        return sums;
+    }
+
+private:
+    PIERCE_HD void fill(std::uint32_t i, Contact& c) const {
         const std::uint32_t r = candidates[order[i]];
         const bool moved = order[i] < decided && accepted[order[i]] &&
                            has_depth(order[i], sources[r].pair);
@@ -208,7 +218,7 @@ struct FillContact {
         const Vec3d q_world = target.space.to_parent(q);
         const Vec3d direction = target.space.rotation * ray.direction;
 
-        Contact c;
+        c = {};
         c.a = ids[pair.a];
         c.b = ids[pair.b];
         c.source = static_cast<Side>(from.side);
@@ -243,11 +253,8 @@ struct FillContact {
         // After a walk, the next step looks from the closest triangle; the record of a full ray is
         // written anew by Remember.
         if (r < records.size && moved && looks) records[r].triangle = triangle;
-        write_side_by_side(contacts.data, i, c);
-        return sums_of(c, first);
     }
 
-private:
     /// False for re-projected contacts without a depth in a pair that has no other contact with
     /// one. Their rays show that the bodies overlap.
     PIERCE_HD bool has_depth(std::uint32_t candidate, std::uint32_t pair) const {

@@ -107,8 +107,8 @@ PIERCE_HD inline Ray velocity_ray(const BodyView& body, const DirectedPair& d, b
 /// The inward ray of a vertex into the other body of its pair. If the vertex has no direction, the
 /// ray hits nothing; but where the ray only tells whether the vertex is inside (`only_inside`), any
 /// direction does. A vertex without triangles is no part of the surface.
-PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair& d, std::uint32_t v,
-                                bool only_inside) {
+PIERCE_HD inline void aim_vertex_ray(View<const BodyView> bodies, const DirectedPair& d,
+                                     std::uint32_t v, bool only_inside, Ray& ray) {
     const BodyView& source = bodies[d.source];
     const BodyView& target = bodies[d.target];
     const Vec3d inward = inward_direction(source, v);
@@ -116,7 +116,7 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
                through = !d.is_self() && (only_inside || source.collision.sheet),
                has_way = has_direction || (through && has_triangles(source.mesh, v));
     const Vec3d direction = has_direction || !has_way ? inward : any_direction();
-    Ray ray;
+    ray = {};
     ray.origin = d.to_space.to_parent(to_double(source.positions[v]));
     ray.direction = d.to_space.rotation * direction;
     if (!has_way)
@@ -132,7 +132,6 @@ PIERCE_HD inline Ray vertex_ray(View<const BodyView> bodies, const DirectedPair&
         // since.
         if (source.mesh.star_clearance[v] > 2 * (source.deviation + source.touch)) ray.t_max = -1.0;
     }
-    return ray;
 }
 
 /// Moves a record's material point to where it is now and returns how far the vertex has moved
@@ -177,16 +176,19 @@ struct GenerateRay {
             return;
         }
         if (settings.looks() && look(i, d)) return;
-        Ray ray = vertex_ray(bodies, d, sources[i].item, settings.inside_is_contact());
+        write_side_by_side(rays.data, i, [&](Ray& ray) { aim(i, d, ray); });
+    }
+
+private:
+    PIERCE_HD void aim(std::uint32_t i, const DirectedPair& d, Ray& ray) const {
+        aim_vertex_ray(bodies, d, sources[i].item, settings.inside_is_contact(), ray);
         if (routes.size > 0) routes[i] = route(d, ray, records[i]);
         if (settings.temporal == Temporal::paper && settings.predict && routes[i] == Route::full)
             ray.outward = d.approach.reach(to_double(bodies[d.source].positions[sources[i].item]),
                                            0, bodies[d.source].shape_motion);
         if (settings.temporal == Temporal::certified) ray.outward = search_range(d, records[i]);
-        write_side_by_side(rays.data, i, ray);
     }
 
-private:
     /// True if a look from the vertex's record tells whether it is inside.
     PIERCE_HD bool look(std::uint32_t i, const DirectedPair& d) const {
         const BodyView& target = bodies[d.target];

@@ -74,27 +74,34 @@ struct LimitToDepth {
         const bool may_move = keep[candidate] && !sources[r].separates && !pair.is_self() &&
                               bodies[rays[r].target].is_solid() &&
                               (all || bodies[pair.source(sources[r].side)].collision.sheet);
-        Ray ray = read_whole(rays[r]);
-        ray.outward = 0;
+        write_side_by_side(limited.data, i, [&](Ray& ray) {
+            ray = read_whole(rays[r]);
+            ray.outward = 0;
+            known[i] = no_triangle;
+            if (may_move)
+                limit(r, ray, known[i]);
+            else
+                ray.t_max = -1.0;
+        });
+    }
+
+private:
+    PIERCE_HD void limit(std::uint32_t r, Ray& ray, std::uint32_t& closest) const {
         const Ridge ridge = ridge_below(sources[r], chords);
         const BodyView& target = bodies[ray.target];
-        std::uint32_t closest = no_triangle;
-        if (may_move && ridge.exists()) {
+        if (ridge.exists()) {
             // Only what is nearer than the ridge can be a shorter way.
             closest = ridge.triangle;
             ray.t_max = length(closest_on(RidgeEnds(target.surface(), ridge), ray.origin) -
                                ray.origin);
-        } else if (may_move && is_closest(target, ray.origin, hits[r].triangle)) {
+        } else if (is_closest(target, ray.origin, hits[r].triangle)) {
             closest = hits[r].triangle;
             ray.t_max = -1.0;
         } else {
-            ray.t_max = may_move ? meetings[r].t : -1.0;
+            ray.t_max = meetings[r].t;
         }
-        known[i] = closest;
-        write_side_by_side(limited.data, i, ray);
     }
 
-private:
     PIERCE_HD static bool is_closest(const BodyView& target, Vec3d point, std::uint32_t triangle) {
         const Triangle& t = target.mesh.triangles[triangle];
         return OverTriangle(point, to_double(target.positions[t.vertex[0]]),
@@ -125,9 +132,10 @@ struct MoveToClosest {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         const std::uint32_t candidate = begin + i, r = candidates[candidate];
-        Ray ray = read_whole(limited[i]);
-        accepted[candidate] = moves(i, candidate, found[r].t, ray);
-        write_side_by_side(rays.data, candidate, ray);
+        write_side_by_side(rays.data, candidate, [&](Ray& ray) {
+            ray = read_whole(limited[i]);
+            accepted[candidate] = moves(i, candidate, found[r].t, ray);
+        });
         contained.note(sources[r], (accepted[candidate] ? meetings[candidate] : found[r]).t > 0);
     }
 

@@ -30,16 +30,19 @@ struct SheetReport {
     std::uint32_t pulled_back = 0;   ///< vertices that were moved back to where the step began, or
                                      ///< towards it
     std::uint32_t moved_bodies = 0;  ///< rigid bodies that sheets have moved
-    std::uint32_t crossings_left = 0;  ///< meetings of bodies whose motion is given with vertices
-                                       ///< that were pulled back all the way
+    std::uint32_t held_bodies = 0;   ///< free rigid bodies that were put back to where the step
+                                     ///< began, where vertices could go back no further
+    std::uint32_t crossings_left = 0;  ///< meetings of bodies that are led or sleep, and move, with
+                                       ///< vertices that were pulled back all the way
 };
 
 /// Keeps Bullet's soft bodies that are sheets apart: from themselves, from each other, from solids.
 /// Bullet moves the sheets as if they had no contacts. Then rounds follow: contacts are detected,
 /// and the sheets' vertices, and rigid bodies in contact with them, are moved. The rounds end when
 /// nothing meets between the step's begin and its end. Vertices for which that takes too many
-/// rounds are pulled back to where they came from, at worst all of them. So no sheet goes through
-/// anything from one step to the next, unless a body whose motion is given runs into it.
+/// rounds are pulled back to where they came from, at worst all of them; a free body that still
+/// meets such vertices is held where the step began. So no sheet goes through anything from one
+/// step to the next, unless a body whose motion is given runs into it.
 class SheetResponse {
 public:
     /// `world` must outlive this object. All soft and rigid bodies that sheets are to meet must be

@@ -23,7 +23,8 @@ typedef enum pierce_temporal {
 /** How a world detects contacts; pierce/settings.hpp says more of each field. */
 typedef struct pierce_settings {
     size_t struct_size;         /**< set by pierce_default_settings() */
-    double open_body_range;     /**< [mean edge length] reach of rays of bodies without an inside */
+    double open_body_range;     /**< [mean edge length] reach of rays of bodies without an inside;
+                                   how deep sheets remember what has been through */
     double margin;              /**< [length] solids nearer than this are in contact, too */
     double prediction_distance; /**< [length] PAPER: how far predictions look; negative: automatic
                                  */
