@@ -83,11 +83,7 @@ public:
 
     /// Begins a step, or the repetition of a captured step. `bank`: 0 or 1, not the one of the last
     /// step, whose totals are still read.
-    void begin_exact(std::uint32_t bank) {
-        is_finished_ = bounded_ = false;
-        bank_ = bank;
-        next_ = 0;
-    }
+    void begin_exact(std::uint32_t bank) { begin(bank, false); }
     void begin_bounded(std::uint32_t bank) {
         begin_repetition(bank);
         // The lists begin on the second stream, beside the stages that come before the first list.
@@ -98,12 +94,7 @@ public:
         std::swap(stream_, side_.stream);
         waits_for_lists_ = true;
     }
-    void begin_repetition(std::uint32_t bank) {
-        is_finished_ = false;
-        bounded_ = true;
-        bank_ = bank;
-        next_ = 0;
-    }
+    void begin_repetition(std::uint32_t bank) { begin(bank, true); }
     /// Ends a step: starts the copy of the step's totals, and of whether it overflowed, to the
     /// host.
     void end() {
@@ -380,6 +371,13 @@ public:
 
 private:
     static constexpr std::uint32_t most_totals = 128;
+
+    void begin(std::uint32_t bank, bool is_bounded) {
+        is_finished_ = false;
+        bounded_ = is_bounded;
+        bank_ = bank;
+        next_ = 0;
+    }
 
     std::size_t place_in_bank(const std::uint32_t* total) const {
         const auto place = static_cast<std::uint32_t>(total - totals_.data()) % most_totals;

@@ -28,6 +28,7 @@ struct Four {
 
     Four() = default;
     Four(float all) : lane{all, all, all, all} {}
+    Four(float a, float b, float c, float d) : lane{a, b, c, d} {}
     Four(FourLanes lanes) : lane(lanes) {}
 
     /// The four that lie at an address.
@@ -36,9 +37,6 @@ struct Four {
         std::memcpy(&lanes, address, sizeof lanes);
         return lanes;
     }
-
-    /// Puts the four at an address.
-    void put(void* address) const { std::memcpy(address, &lane, sizeof lane); }
 
     friend Four operator+(Four a, Four b) { return a.lane + b.lane; }
     friend Four operator-(Four a, Four b) { return a.lane - b.lane; }
@@ -84,6 +82,7 @@ struct Four {
 
     Four() = default;
     PIERCE_HD Four(float all) : lane{all, all, all, all} {}
+    PIERCE_HD Four(float a, float b, float c, float d) : lane{a, b, c, d} {}
 
     template <class F>
     PIERCE_HD static Four of(const F& f) {
@@ -143,6 +142,9 @@ struct Four {
     }
 
     PIERCE_HD friend Vec3f first_three(Four a) { return {a[0], a[1], a[2]}; }
+
+    /// Puts the four at an address.
+    void put(void* address) const { std::memcpy(address, &lane, sizeof lane); }
 
     PIERCE_HD float operator[](std::uint32_t k) const { return lane[k]; }
     PIERCE_HD void set(std::uint32_t k, float value) { lane[k] = value; }
