@@ -36,19 +36,22 @@ class Shape:
         return shape
 
     def __init__(self, mesh: trimesh.Trimesh) -> None:
-        self.vertices = np.array(mesh.vertices, dtype=np.float64)
-        self.faces = np.array(mesh.faces, dtype=np.int64)
-        self.used = np.unique(self.faces)
+        # Vertices without faces are no part of a body.
+        used, corners = np.unique(mesh.faces, return_inverse=True)
+        self.vertices = np.array(mesh.vertices, dtype=np.float64)[used]
+        self.faces = corners.reshape(-1, 3)
         self._data = self.vertices.astype(np.float32), self.faces.astype(np.uint32)
         self.solid = _core.Mesh.make(self._data)
         if self.solid.inside.exists and self.solid.traits.volume < 0:
             self.solid = _core.Mesh.make(self._data, inside="winding")
         self._sheet: _core.Mesh | None = None
+        if len(used) < len(mesh.vertices):
+            mesh = trimesh.Trimesh(self.vertices, self.faces, process=False)
         self._is_convex = bool(mesh.is_convex)
         # Vertices at the same place are one in a solid.
         self._place = np.unique(self._data[0], axis=0, return_inverse=True)[1].ravel()
-        corners = self.faces[:, [0, 1, 2, 0, 1, 2]], self.faces[:, [0, 1, 2, 1, 2, 0]]
-        keys = self._keys(*corners).ravel()
+        sides = self.faces[:, [0, 1, 2, 0, 1, 2]], self.faces[:, [0, 1, 2, 1, 2, 0]]
+        keys = self._keys(*sides).ravel()
         order = np.argsort(keys, kind="stable")
         self._edge_keys, self._edge_faces = keys[order], order // 6
 
@@ -90,17 +93,13 @@ class Object:
         self.shape = Shape.of(mesh)
         self.transform = rigid_transform(np.eye(4) if transform is None else transform)
 
-    def vertices(self) -> Floats:
-        """World positions of all vertices of the mesh, (n, 3)."""
-        return self.shape.vertices @ self.transform[:3, :3].T + self.transform[:3, 3]
-
     def points(self) -> Floats:
-        """World positions of the vertices that faces have, (k, 3)."""
-        return self.vertices()[self.shape.used]
+        """World positions of the vertices, (n, 3)."""
+        return self.shape.vertices @ self.transform[:3, :3].T + self.transform[:3, 3]
 
     def triangles(self) -> Floats:
         """World positions of the corners of all faces, (m, 3, 3)."""
-        return self.vertices()[self.shape.faces]
+        return self.points()[self.shape.faces]
 
 
 def rigid_transform(transform: ArrayLike) -> Floats:

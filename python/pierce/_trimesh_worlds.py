@@ -170,7 +170,7 @@ class Sheets(Bodies):
         return shape.sheet
 
     def _body(self, added: Object, mesh: _core.MeshId) -> _core.BodyId:
-        return self.world.add_deforming_body(mesh, added.vertices().astype(np.float32))
+        return self.world.add_deforming_body(mesh, added.points().astype(np.float32))
 
     def _filter(self, each: Object, own: int, others: int) -> _core.Filter:
         """Surfaces of solids are two groups higher, and do not meet each other."""

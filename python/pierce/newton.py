@@ -483,8 +483,14 @@ def _mesh_data(
     if kind == newton.GeoType.BOX:
         source = newton.Mesh.create_box(1.0, duplicate_vertices=False)
     elif kind == newton.GeoType.CONVEX_MESH:
-        # Without a limit: to leave out vertices makes a hull smaller.
-        whole = newton.Mesh(source.vertices, source.indices, compute_inertia=False, maxhullvert=0)
+        # To leave out vertices makes a hull smaller, so Newton's default limit does not count.
+        limit = source.maxhullvert
+        whole = newton.Mesh(
+            source.vertices,
+            source.indices,
+            compute_inertia=False,
+            maxhullvert=0 if limit == newton.Mesh.MAX_HULL_VERTICES else limit,
+        )
         source = whole.compute_convex_hull()
     triangles = np.asarray(source.indices, dtype=np.uint32).reshape(-1, 3)
     if np.prod(scale) < 0:

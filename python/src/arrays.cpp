@@ -110,8 +110,12 @@ bool is_array(nb::handle given, Array& array) {
     }
     const bool has_strides = view.strides != nullptr || view.ndim == 0;
     PyBuffer_Release(&view);
-    return has_strides ? nb::try_cast(given, array)
-                       : nb::try_cast(nb::module_::import_("numpy").attr("asarray")(given), array);
+    if (has_strides) return nb::try_cast(given, array);
+    try {
+        return nb::try_cast(nb::module_::import_("numpy").attr("asarray")(given), array);
+    } catch (const nb::python_error&) {
+        return false;
+    }
 }
 
 }  // namespace

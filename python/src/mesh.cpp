@@ -77,6 +77,22 @@ MeshData mesh_data_of(nb::handle given) {
             .c_str());
 }
 
+namespace {
+
+/// Calls a progress callback that may be gone. Where it raises, the work goes on.
+void tell(const nb::object& call, std::string_view what, double share) {
+    if (!call.is_valid() || call.is_none()) return;  // the garbage collector has taken it
+    try {
+        call(nb::str(what.data(), what.size()), share);
+    } catch (nb::python_error& error) {
+        // Ctrl-C is raised again when the call is over.
+        if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
+        error.discard_as_unraisable("the progress callback of a mesh");
+    }
+}
+
+}  // namespace
+
 MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint32_t threads,
                          nb::handle progress, std::shared_ptr<nb::object>* callback) {
     MeshOptions options{
@@ -86,15 +102,7 @@ MeshOptions mesh_options(nb::handle inside, const std::string& cache, std::uint3
     if (callback != nullptr) *callback = shared;
     options.progress = [call = shared](std::string_view what, double share) {
         const nb::gil_scoped_acquire gil;
-        if (!call->is_valid()) return;  // the garbage collector has cleared it
-        try {
-            (*call)(nb::str(what.data(), what.size()), share);
-        } catch (nb::python_error& error) {
-            // Ctrl-C is raised again when the call is over.
-            if (error.matches(PyExc_KeyboardInterrupt)) return PyErr_SetInterrupt();
-            if (error.matches(PyExc_ReferenceError)) return;  // the callback is gone
-            error.discard_as_unraisable("the progress callback of a mesh");
-        }
+        tell(*call, what, share);
     };
     return options;
 }
@@ -106,20 +114,24 @@ namespace {
 nb::object make_mesh(nb::handle mesh, const std::string& name, nb::handle inside,
                      const std::string& cache, std::uint32_t threads, nb::handle progress) {
     MeshData data = mesh_data_of(mesh);
-    nb::object call = nb::borrow(progress);
-    if (!progress.is_none()) call = nb::steal(PyWeakref_NewProxy(progress.ptr(), nullptr));
-    if (!call.is_valid()) {  // an object with slots, for example, may have no weak references
-        PyErr_Clear();
-        call = nb::borrow(progress);
+    MeshOptions options = mesh_options(inside, cache, threads, nb::none());
+    nb::object call;
+    if (!progress.is_none()) {
+        // Not every object has weak references; a partial of one has.
+        call = nb::module_::import_("functools").attr("partial")(progress);
+        options.progress = [weak = shared_object(nb::weakref(call))](std::string_view what,
+                                                                     double share) {
+            const nb::gil_scoped_acquire gil;
+            tell(nb::object((*weak)()), what, share);
+        };
     }
-    MeshOptions options = mesh_options(inside, cache, threads, call);
     std::shared_ptr<Mesh> made;
     {
         const WithoutGil without_gil;
         made = std::make_shared<Mesh>(name, std::move(data), std::move(options));
     }
     nb::object result = nb::cast(std::move(made));
-    if (!progress.is_none()) result.attr("_progress") = progress;
+    if (call.is_valid()) result.attr("_progress") = call;
     return result;
 }
 

@@ -84,9 +84,8 @@ void bind_enumerations(nb::module_& module) {
 void bind_inputs(nb::module_& module) {
     Record<Settings>(module, "Settings", "How a world detects contacts; every field has a default.")
         .rw("open_body_range", &Settings::open_body_range,
-            "[mean edge length] how far rays of bodies without an inside reach, and how deep "
-            "sheets "
-            "remember what has been through")
+            "[mean edge length] how far rays of bodies without an inside reach; how deep sheets "
+            "remember what has gone through")
         .rw("coverage", &Settings::coverage, "Coverage, or its name")
         .rw("reproject", &Settings::reproject, "contacts end at the closest point")
         .rw("margin", &Settings::margin, "[length] solids nearer than this are in contact, too")

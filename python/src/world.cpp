@@ -117,6 +117,7 @@ int clear_world(PyObject* self) {
     if (world->filter.is_valid()) world->world->set_pair_filter({});
     world->filter.reset();
     world->stream.reset();
+    // The world points into the meshes; what they hold themselves breaks the cycle.
     for (const std::shared_ptr<nb::object>& callback : std::exchange(world->progress, {}))
         callback->reset();
     return 0;

@@ -31,15 +31,15 @@ struct PyWorld {
     nb::object stream;           ///< kept while steps wait for it
     nb::object filter;           ///< of pairs; the world calls it
     std::exception_ptr failure;  ///< of the filter, in this call
-    Kept progress;               ///< callbacks of meshes that were added as
-                                 ///< arrays
+    Kept progress;               ///< callbacks of meshes that were added as arrays
     Kept meshes;                 ///< that were added as objects
 
     /// Asks the filter; what it throws is kept until the call is over, and the pair is left out.
     bool wants(BodyId a, BodyId b);
     /// To be called after calls that ask it: throws what it has thrown.
     void rethrow();
-    /// Notes an object that the world has. As the list grows, it lets go of others.
+    /// Notes an object that the world has. Each time the list has doubled, it lets go of those that
+    /// no world has any more, so that this costs little per object.
     static void keep(Kept& kept, std::shared_ptr<nb::object> object);
     /// Lets go of objects that the world has no longer.
     static void let_go(Kept& kept);

@@ -38,10 +38,10 @@ void SheetResponse::State::pull_back(Sheet& sheet, std::uint32_t vertex, double 
 SheetResponse::State::Hold SheetResponse::State::hold(BodyId body) {
     const auto found = obstacle_of.find(body);
     // Things that do not move have not met; they are only too close together to be told apart.
-    if (found == obstacle_of.end()) return Hold::stands;
+    if (found == obstacle_of.end()) return Hold::needless;
     Obstacle& o = obstacles[found->second];
-    if (o.start == o.end) return Hold::stands;
-    if (!(o.moving.inverse_mass > 0)) return Hold::is_led;
+    if (o.start == o.end) return Hold::needless;
+    if (!(o.moving.inverse_mass > 0)) return Hold::impossible;
     o.end = o.start;
     o.is_held = true;
     return Hold::held;
@@ -61,7 +61,7 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
     bool moved = false;
     report.crossings_left = 0;
     for (const Contact& c : world.contacts()) {
-        if (!is_met(c)) continue;
+        if (!is_met(c) || !concerns_sheet(c)) continue;
         bool could = false;
         each_vertex(world, c, [&](BodyId body, std::uint32_t v) {
             const auto found = sheet_of.find(body);
@@ -76,7 +76,7 @@ bool SheetResponse::State::pull_back(std::uint32_t attempt) {
         if (!could) {
             const Hold first = hold(c.a), second = hold(c.b);
             could = first == Hold::held || second == Hold::held;
-            if (!could && (first == Hold::is_led || second == Hold::is_led))
+            if (!could && (first == Hold::impossible || second == Hold::impossible))
                 ++report.crossings_left;
         }
         moved |= could;

@@ -250,15 +250,16 @@ void SheetResponse::State::write_step(double dt) {
         btRigidBody& rigid = *o.rigid;
         if (o.is_held) {
             ++report.held_bodies;
-            rigid.setCenterOfMassTransform(to_bullet(o.start));
+            // Bullet goes on from the velocities that the body has when it is placed.
             rigid.setLinearVelocity({0, 0, 0});
             rigid.setAngularVelocity({0, 0, 0});
+            rigid.setCenterOfMassTransform(to_bullet(o.start));
             o.end = from_bullet(rigid.getWorldTransform());
         } else if (o.moving.inverse_mass > 0 && !(o.shift == Vec3d{} && o.turn == Vec3d{})) {
             ++report.moved_bodies;
-            rigid.setCenterOfMassTransform(to_bullet(o.end));
             rigid.setLinearVelocity(rigid.getLinearVelocity() + to_bullet((1 / dt) * o.shift));
             rigid.setAngularVelocity(rigid.getAngularVelocity() + to_bullet((1 / dt) * o.turn));
+            rigid.setCenterOfMassTransform(to_bullet(o.end));
             // The next step begins with the pose as Bullet stores it.
             o.end = from_bullet(rigid.getWorldTransform());
         }

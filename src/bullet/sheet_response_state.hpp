@@ -57,7 +57,7 @@ struct SheetResponse::State {
     bool pull_back(std::uint32_t attempt);
     void pull_back(Sheet& sheet, std::uint32_t vertex, double share);
     void pull_back_around(Sheet& sheet);
-    enum class Hold { stands, is_led, held };
+    enum class Hold { needless, impossible, held };
     Hold hold(BodyId body);
     void write_step(double dt);
 

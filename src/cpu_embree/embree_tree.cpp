@@ -124,8 +124,7 @@ struct Tree::PointQuery {
     void test() {
         if (count == 0) return;
         std::uint32_t tested = (1u << count) - 1;
-        // Covered triangles do not count, and the sieve would let them hide others.
-        if (search->surface().covered.size == 0) {
+        if (!search->may_leave_out()) {
             const FourVec3 corners[3] = {corner(0), corner(1), corner(2)};
             tested &= sieve.may_be_closest(corners);
         }

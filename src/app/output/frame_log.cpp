@@ -95,6 +95,7 @@ constexpr Count counts[] = {
     {"tangled", "tangled", &FrameResult::tangled, false},
     {"rounds", "rounds", &FrameResult::rounds, false},
     {"pulled back", "pulled_back", &FrameResult::pulled_back, false},
+    {"held bodies", "held_bodies", &FrameResult::held_bodies, false},
     {"crossings left", "crossings_left", &FrameResult::crossings_left, false},
     {"self crossings", "self_crossings", &FrameResult::self_crossings, false},
     {"tears", "tears", &FrameResult::tears, false}};

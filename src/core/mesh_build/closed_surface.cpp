@@ -178,12 +178,11 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
         surface.inside.rule = Inside::closed;
     if (!surface.inside.exists() || rule == Inside::closed) return surface;
     const bool is_given = surface.inside.rule != Inside::winding;
-    // Of the surface by the winding number, walls have been left out.
-    const std::vector<Twins> twins = is_given ? twins_of(mesh.triangles, sides)
-                                              : std::vector<Twins>();
-    surface.covered = covered_triangles(
-        mesh.positions, is_given ? mesh.triangles : surface.triangles, twins, workers);
-    if (is_given) cover_walls(mesh.positions, mesh.triangles, twins, surface.covered);
+    const std::vector<Triangle>& triangles = is_given ? mesh.triangles : surface.triangles;
+    const std::vector<Twins> twins = twins_of(
+        triangles, is_given ? sides : HalfEdges(triangles, mesh.positions.size()));
+    surface.covered = covered_triangles(mesh.positions, triangles, twins, workers);
+    cover_walls(mesh.positions, triangles, twins, surface.covered);
     surface.inside.covered_triangles = count_covered(surface.covered);
     return surface;
 }

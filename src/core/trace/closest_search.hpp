@@ -31,6 +31,15 @@ PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32
     return length(p - closest_point(p, surface, triangle));
 }
 
+/// True if a way leads behind a triangle's plane by more than the touch tolerance.
+PIERCE_HD inline bool leads_into(Vec3d way, const Surface& surface, std::uint32_t triangle) {
+    const Triangle& t = surface.triangles[triangle];
+    const Vec3d a = to_double(surface.positions[t.vertex[0]]),
+                b = to_double(surface.positions[t.vertex[1]]),
+                c = to_double(surface.positions[t.vertex[2]]);
+    return dot(normalized(cross(b - a, c - a)), way) < -surface.touch;
+}
+
 /// The search for the triangle of a surface that is closest to a point and no further away than a
 /// limit; of equally close ones, the one with the smallest id. Triangles that other parts of the
 /// surface cover do not count, and those without area do not: what lies on one of them lies on its
@@ -40,10 +49,20 @@ public:
     PIERCE_HD ClosestSearch(Vec3d point, const Surface& surface, double limit)
         : point_(point), surface_(surface), limit_(limit) {}
 
+    /// Leaves out triangles to which the way leads into one of these two, by more than the touch
+    /// tolerance.
+    PIERCE_HD void keep_out_of(const std::uint32_t (&triangles)[2]) {
+        kept_out_[0] = triangles[0];
+        kept_out_[1] = triangles[1];
+    }
+
     PIERCE_HD void test(std::uint32_t triangle) {
         if (surface_.covered.size > 0 && surface_.covered[triangle] == Cover::wholly) return;
-        const double distance = distance_to(point_, surface_, triangle);
+        const Vec3d way = closest_point(point_, surface_, triangle) - point_;
+        const double distance = length(way);
         if (!(distance < limit_ || (distance == limit_ && triangle < triangle_))) return;
+        for (const std::uint32_t other : kept_out_)
+            if (other != no_triangle && leads_into(way, surface_, other)) return;
         const Triangle& t = surface_.triangles[triangle];
         if (is_degenerate(to_double(surface_.positions[t.vertex[0]]),
                           to_double(surface_.positions[t.vertex[1]]),
@@ -51,6 +70,12 @@ public:
             return;
         limit_ = distance;
         triangle_ = triangle;
+    }
+
+    /// True if a triangle that is left out may be closer than the one that is found. A sieve would
+    /// let it hide others.
+    PIERCE_HD bool may_leave_out() const {
+        return surface_.covered.size > 0 || kept_out_[0] != no_triangle;
     }
 
     PIERCE_HD Vec3d point() const { return point_; }
@@ -65,6 +90,7 @@ private:
     Surface surface_;
     double limit_ = 0;
     std::uint32_t triangle_ = no_triangle;
+    std::uint32_t kept_out_[2] = {no_triangle, no_triangle};
 };
 
 /// The triangle closest to a ray's origin, t_max away at most, or none. `show(search)` calls
@@ -73,6 +99,7 @@ template <class Show>
 PIERCE_HD std::uint32_t closest_triangle(const Ray& ray, const Surface& surface, Show show) {
     if (!(ray.t_max >= 0)) return no_triangle;
     ClosestSearch search(ray.origin, surface, ray.t_max);
+    search.keep_out_of(ray.excluded);
     show(search);
     return search.triangle();
 }

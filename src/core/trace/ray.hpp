@@ -22,7 +22,9 @@ struct alignas(16) Ray {
                          ///< surface that is closer
     std::uint32_t target = 0;                            ///< body
     std::uint32_t excluded[2] = {no_vertex, no_vertex};  ///< triangles with both of these vertices
-                                                         ///< are not hit
+                                                         ///< are not hit; in a search for the
+                                                         ///< closest triangle: two triangles that
+                                                         ///< the way there must not lead into
     std::uint32_t padding = 0;
 };
 

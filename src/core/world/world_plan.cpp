@@ -273,7 +273,8 @@ void World::State::make_view(std::uint32_t i) {
     view.filter = body.filter;
     view.margin = margin_of(body);
     view.range = settings.open_body_range * view.mesh.mean_edge_length;
-    view.memory = plan.sheets ? view.range : 0.0;
+    // Nothing is deeper than what is furthest away.
+    view.memory = plan.sheets ? std::min(view.range, 2 * constants::largest_coordinate) : 0.0;
     view.fit_box = view.mesh.box;
     view.touch = constants::touch_tolerance * view.fit_box.extent();
     describe(body, *entry.mesh);

@@ -93,6 +93,7 @@ FrameResult sheet_result(FrameResult result, const bullet::SheetReport& report) 
     result.tangled = report.tangled;
     result.rounds = report.rounds;
     result.pulled_back = report.pulled_back;
+    result.held_bodies = report.held_bodies;
     result.crossings_left = report.crossings_left;
     return result;
 }

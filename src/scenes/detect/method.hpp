@@ -99,7 +99,8 @@ struct FrameResult : StepStats {
     std::uint32_t rounds = 0;          ///< rounds of moving sheets apart
     std::uint32_t pulled_back = 0;     ///< vertices that had to go back to where the step began, or
                                        ///< towards it
-    std::uint32_t crossings_left = 0;  ///< meetings left with bodies whose motion is given
+    std::uint32_t held_bodies = 0;     ///< free bodies that had to stay where the step began
+    std::uint32_t crossings_left = 0;  ///< meetings left with bodies that sheets cannot move
     std::uint32_t self_crossings = 0;  ///< edges of a simulated sheet through triangles of its own
                                        ///< at the end of the step
     double self_penetration = 0;       ///< [length] the deepest of these; 0 if there are none

@@ -157,7 +157,8 @@ std::uint32_t Tearing::crossings() const {
     return self_crossings(mesh_.triangles, positions).count;
 }
 
-/// Draws a part of a node back into its own triangles, so that the two parts do not touch.
+/// Draws a part of a node back into its own triangles, so that the two parts do not touch. It stays
+/// where it is if it would pass through another triangle however little it is drawn.
 void Tearing::draw_back(std::uint32_t node) {
     btVector3 sum(0, 0, 0);
     const Vertices all = around(node);

@@ -32,8 +32,8 @@ enum class Coverage : std::uint8_t {
 /// How a world detects contacts. Every field has a default that suits any scale.
 struct Settings {
     /// Rays of bodies without an inside reach this far [mean edge length of the body's mesh],
-    /// unless every vertex inside is in contact. What has been through a sheet's surface, or a
-    /// sheet through the body's, is remembered up to this depth (docs/cloth.md).
+    /// unless every vertex inside is in contact. Where one of two bodies is a sheet, a vertex that
+    /// has gone through the other's surface is remembered up to this depth beyond the thickness.
     double open_body_range = constants::open_body_range;
 
     Coverage coverage = Coverage::overlaps;

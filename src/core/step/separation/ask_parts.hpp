@@ -23,15 +23,22 @@ PIERCE_HD inline bool may_be_inside(View<const BodyView> bodies, const DirectedP
 }
 
 /// A ray from a vertex of a directed pair's source that shows whether it is inside the target, long
-/// enough to leave the target.
+/// enough to leave the target. A vertex in the target's surface is neither inside nor outside; what
+/// the source has inside there is ahead of an inward ray. If the vertex has no ray that runs in its
+/// own solid, its ray hits nothing.
 PIERCE_HD inline Ray ray_through(View<const BodyView> bodies, const DirectedPair& d,
                                  std::uint32_t vertex) {
+    const BodyView& source = bodies[d.source];
+    const bool has_inside = source.is_solid();
     Ray ray;
-    ray.origin = d.to_space.to_parent(to_double(bodies[d.source].positions[vertex]));
-    ray.direction = any_direction();
+    ray.origin = d.to_space.to_parent(to_double(source.positions[vertex]));
+    ray.direction = has_inside ? d.to_space.rotation * inward_direction(source, vertex)
+                               : any_direction();
     ray.target = d.target;
     ray.touch = d.touch;
-    ray.t_max = range_through(bodies[d.target], ray.origin);
+    ray.t_max = !has_inside || runs_in_own(source, vertex)
+                    ? range_through(bodies[d.target], ray.origin)
+                    : -1.0;
     return ray;
 }
 
@@ -39,7 +46,7 @@ PIERCE_HD inline Ray ray_through(View<const BodyView> bodies, const DirectedPair
 /// vertices of each of its source's parts. Where surfaces do not cross, a part is inside if one of
 /// its vertices is, and not if one is outside; some may lie in the surface, and say nothing. A part
 /// with a vertex that is certainly outside gets no rays. If each vertex inside is a contact
-/// already, only parts are left all of whose vertices lie in the surface.
+/// already, only parts of solids are left all of whose vertices lie in the surface.
 struct AskParts {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -51,7 +58,8 @@ struct AskParts {
     PIERCE_HD std::uint32_t find(std::uint32_t i) const {
         const DirectedPair& d = directed[i];
         if (marks.any(i / 2, PairMarks::vertex_inside | PairMarks::has_depth) ||
-            (inside_is_contact && !marks.any(i / 2, PairMarks::vertex_touches)) ||
+            (inside_is_contact &&
+             !(marks.any(i / 2, PairMarks::vertex_touches) && bodies[d.source].is_solid())) ||
             !bodies[d.target].is_solid() || d.is_self())
             return 0;
         std::uint32_t count = 0;

@@ -196,7 +196,7 @@ private:
     PIERCE_HD void fill(std::uint32_t i, Contact& c) const {
         const std::uint32_t r = candidates[order[i]];
         const bool moved = order[i] < decided && accepted[order[i]] &&
-                           has_depth(order[i], sources[r].pair);
+                           !stays_on_ray(order[i], sources[r]);
         const RayResults& results = moved ? aimed : found_rays;
         const std::uint32_t place = moved ? order[i] : r;
         const Ray& ray = results.rays[place];
@@ -255,10 +255,13 @@ private:
         if (r < records.size && moved && looks) records[r].triangle = triangle;
     }
 
-    /// False for re-projected contacts without a depth in a pair that has no other contact with
-    /// one. Their rays show that the bodies overlap.
-    PIERCE_HD bool has_depth(std::uint32_t candidate, std::uint32_t pair) const {
-        return aimed.meetings[candidate].t > 0 || marks.any(pair, PairMarks::has_depth);
+    /// True for re-projected contacts without a depth in a pair that has no other contact with
+    /// one, if their rays show that the bodies overlap.
+    PIERCE_HD bool stays_on_ray(std::uint32_t candidate, const RaySource& from) const {
+        if (aimed.meetings[candidate].t > 0 || marks.any(from.pair, PairMarks::has_depth))
+            return false;
+        return from.start != RayStart::vertex ||
+               runs_in_own(bodies[pairs[from.pair].source(from.side)], from.item);
     }
 
     /// A sheet's vertex belongs where it has come from: the ray ahead hits what it would meet, the

@@ -5,9 +5,7 @@
 #include "core/body/body_view.hpp"
 #include "core/device/atomics.hpp"
 #include "core/device/number.hpp"
-#include "core/device/rarely.hpp"
 #include "core/device/view.hpp"
-#include "core/mesh/vertex_normal.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/solids/ray_gen.hpp"
 #include "core/trace/meeting.hpp"
@@ -99,13 +97,6 @@ struct MarkCandidate {
 
 private:
     static constexpr std::uint32_t points_that_hold = 3;  ///< a body that stands on them
-
-    /// True if a vertex's ray runs in its own body, by more than rounding: otherwise what it finds
-    /// inside the target says nothing about what the two have in common.
-    PIERCE_RARELY PIERCE_HD static bool runs_in_own(const BodyView& source, std::uint32_t vertex) {
-        return leads_well_inside(source.mesh, source.positions, vertex,
-                                 inward_direction(source, vertex));
-    }
 
     /// True unless a vertex's way out of the target, in the target's space, leads against the
     /// inward direction of its body, or both bodies are coarse and have fewer than three vertices

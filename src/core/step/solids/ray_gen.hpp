@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/body/body_view.hpp"
+#include "core/device/rarely.hpp"
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/mesh/edge_normal.hpp"
@@ -27,6 +28,13 @@ PIERCE_HD inline Vec3d inward_direction(const BodyView& body, std::uint32_t vert
 /// The unit inward direction at an edge, in the body's space; zero where there is none.
 PIERCE_HD inline Vec3d inward_direction(const BodyView& body, const Edge& edge) {
     return -edge_normal(body.mesh, body.positions, edge);
+}
+
+/// True if a vertex's inward ray runs in its own body, by more than rounding: otherwise what it
+/// finds inside a target says nothing about what the two have in common.
+PIERCE_RARELY PIERCE_HD inline bool runs_in_own(const BodyView& source, std::uint32_t vertex) {
+    return leads_well_inside(source.mesh, source.positions, vertex,
+                             inward_direction(source, vertex));
 }
 
 /// The point of an edge between its first vertex (0) and its second (1), in the body's space.

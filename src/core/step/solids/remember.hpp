@@ -112,6 +112,7 @@ struct LimitToCertificate {
         const double limit = constants::certificate_limit *
                              bodies[prolonged[i].target].mesh.mean_edge_length;
         prolonged[i].t_max = hits.size == 0 || hits[i].triangle == no_triangle ? limit : -1.0;
+        prolonged[i].excluded[0] = prolonged[i].excluded[1] = no_triangle;
     }
 };
 

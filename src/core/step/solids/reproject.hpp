@@ -77,6 +77,7 @@ struct LimitToDepth {
         write_side_by_side(limited.data, i, [&](Ray& ray) {
             ray = read_whole(rays[r]);
             ray.outward = 0;
+            ray.excluded[0] = ray.excluded[1] = no_triangle;
             known[i] = no_triangle;
             if (may_move)
                 limit(r, ray, known[i]);
@@ -90,8 +91,11 @@ private:
         const Ridge ridge = ridge_below(sources[r], chords);
         const BodyView& target = bodies[ray.target];
         if (ridge.exists()) {
-            // Only what is nearer than the ridge can be a shorter way.
+            // Only what is nearer than the ridge can be a shorter way, and the faces beside the
+            // ridge are none.
             closest = ridge.triangle;
+            ray.excluded[0] = ridge.triangle;
+            ray.excluded[1] = target.mesh.neighbors[ridge.triangle].across[ridge.corner];
             ray.t_max = length(closest_on(RidgeEnds(target.surface(), ridge), ray.origin) -
                                ray.origin);
         } else if (is_closest(target, ray.origin, hits[r].triangle)) {
@@ -141,8 +145,8 @@ struct MoveToClosest {
 
 private:
     /// True if a chord over a ridge, which is `far` from it, leaves the target as a whole on a
-    /// shorter way, towards its closest point on a triangle, and the rest of its edge does not get
-    /// in on that way: it does not lead into the faces beside the ridge.
+    /// shorter way, towards its closest point on a triangle. The rest of its edge does not get in
+    /// on that way, because the search has left out what leads into the faces beside the ridge.
     PIERCE_HD static bool leaves_sooner(const Chord& chord, Vec3d point, double far,
                                         const BodyView& target, std::uint32_t triangle) {
         if (triangle == no_triangle) return false;
@@ -151,12 +155,6 @@ private:
         const Vec3d to = closest_point(point, surface, triangle), way = to - point;
         const double size = length(way);
         if (!(size > 0)) return false;
-        const std::uint32_t beside = chord.ridge.triangle,
-                            other = target.mesh.neighbors[beside].across[chord.ridge.corner];
-        for (const std::uint32_t face : {beside, other})
-            if (face == no_triangle ||
-                dot(triangle_normal(target.mesh, target.positions, face), way) < -target.touch)
-                return false;
         const Vec3d direction = (1 / size) * way;
         return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) < far;
     }

@@ -32,8 +32,9 @@ private:
 
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray,
                                  std::uint32_t* triangles) const {
-        // Covered triangles do not count, and the sieve would let them hide others.
-        if (body.mesh.covered.size > 0) return Candidates::too_many;
+        // What is left out would hide others from the sieve (ClosestSearch::may_leave_out()).
+        if (body.mesh.covered.size > 0 || ray.excluded[0] != no_triangle)
+            return Candidates::too_many;
         const View<const Vec3f> positions = body.positions;
         PointSieve sieve(ray.origin, ray.t_max, positions_box(body));
         std::uint32_t leaves[leaf_room], open[constants::traversal_stack];

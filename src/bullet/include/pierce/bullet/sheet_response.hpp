@@ -32,8 +32,9 @@ struct SheetReport {
     std::uint32_t moved_bodies = 0;  ///< rigid bodies that sheets have moved
     std::uint32_t held_bodies = 0;   ///< free rigid bodies that were put back to where the step
                                      ///< began, where vertices could go back no further
-    std::uint32_t crossings_left = 0;  ///< meetings of bodies that are led or sleep, and move, with
-                                       ///< vertices that were pulled back all the way
+    std::uint32_t crossings_left = 0;  ///< meetings of bodies that sheets cannot move, and that
+                                       ///< have moved, with vertices that were pulled back all the
+                                       ///< way
 };
 
 /// Keeps Bullet's soft bodies that are sheets apart: from themselves, from each other, from solids.

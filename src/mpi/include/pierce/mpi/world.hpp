@@ -129,7 +129,7 @@ public:
     void save(std::ostream& out) const;
     /// Collective. Reads a world that save(), or pierce::World::save(), has written, for any number
     /// of ranks; every rank reads all of it and keeps its part. Bodies keep their handles, and the
-    /// next steps' contacts are those that the saved world would have had.
+    /// next steps' contacts are those that the saved world would have had, but for Contact::found.
     static World restore(MPI_Comm ranks, std::istream& in, std::unique_ptr<Backend> backend);
 
     /// This rank's bodies, and those of others that were near in the last step, for questions:
