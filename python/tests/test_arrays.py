@@ -154,6 +154,7 @@ def test_arrays_of_ctypes(two_tori):
     world.set_positions(soft, points)
     assert world.detect().hash == expected
     refused(ValueError, "got float32 of shape", world.set_positions, soft, (ctypes.c_float * 900)())
+    refused(TypeError, "positions: expected", world.set_positions, soft, (ctypes.c_void_p * 5)())
 
 
 def test_arrays_of_other_packages(two_tori):

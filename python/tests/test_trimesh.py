@@ -367,6 +367,11 @@ def test_a_vertex_without_faces_is_no_place(mesh):
             expected.min_distance_single(CUBE, place, return_name=True)
         )
     assert manager.min_distance_internal() == expected.min_distance_internal()
+    found, reference = (
+        each.in_collision_single(CUBE, at(0.9, 0.1, 0.2), return_data=True)
+        for each in (manager, expected)
+    )
+    assert found[0] == reference[0] and len(found[1]) == len(reference[1])
 
 
 def test_distances_do_not_depend_on_the_unit():

@@ -435,9 +435,28 @@ def test_a_progress_callback_may_hold_its_mesh():
         def show(self, what, share):
             pass
 
+    class Slots:
+        """An object without weak references."""
+
+        __slots__ = ("mesh", "seen")
+
+        def __init__(self):
+            self.seen = []
+            self.mesh = pierce.Mesh.make(torus(), progress=self)
+
+        def __call__(self, what, share):
+            self.seen.append(share)
+
+    class Mark:
+        pass
+
     gone = [weakref.ref(Asset(add)) for add in (False, True)]
+    slots = Slots()
+    slots.seen = Mark()
+    gone.append(weakref.ref(slots.seen))
+    del slots
     gc.collect()
-    assert [each() for each in gone] == [None, None]
+    assert [each() for each in gone] == [None, None, None]
     script = """
 import numpy as np, pierce
 points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
@@ -449,6 +468,19 @@ world.detect()
 """
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert ended.returncode == 0 and ended.stderr == ""
+
+
+def test_what_a_progress_callback_raises_is_told(monkeypatch):
+    told = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda about: told.append(about.exc_type))
+
+    def progress(what, share):
+        raise ReferenceError("mine")
+
+    pierce.Mesh.make(torus(around=900, across=400), progress=progress, threads=1)
+    if not told:
+        pytest.skip("this machine makes the mesh before there is anything to tell")
+    assert set(told) == {ReferenceError}
 
 
 def test_a_removed_mesh_is_let_go():

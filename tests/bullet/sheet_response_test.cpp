@@ -230,6 +230,7 @@ TEST_F(SheetResponseTest, AHeavyFreeBodyIsHeldWhereTheSheetCannotGoBack) {
         EXPECT_EQ(report.crossings_left, 0u);
         if (report.held_bodies > 0) {
             EXPECT_EQ(from_bullet(rigid.getLinearVelocity()), Vec3d{});
+            EXPECT_EQ(from_bullet(rigid.getInterpolationLinearVelocity()), Vec3d{});
         }
         at = from_bullet(rigid.getWorldTransform());
         EXPECT_EQ(scenes::crossings(mesh.triangles, positions(0), block.triangles,
@@ -239,6 +240,25 @@ TEST_F(SheetResponseTest, AHeavyFreeBodyIsHeldWhereTheSheetCannotGoBack) {
         EXPECT_GT(at.position.z - half, floor) << "step " << i;
     }
     EXPECT_GT(held, 0u);
+}
+
+/// What Bullet does not simulate cannot be pulled back, and holds nobody.
+TEST_F(SheetResponseTest, ASheetThatIsNotBoundHoldsNobody) {
+    make(1, {});
+    const BodyId unbound = world.add_deforming_body(world.add_mesh("unbound", mesh));
+    world.set_collision(unbound, {SelfCollision::off, true, thickness});
+    const Pose start{{5, 0, 0.5}, {}}, end{{5, 0, -0.5}, {}};
+    world.set_positions(unbound, test::placed(mesh, {{5, 0, 0}, {}}));
+    btBoxShape shape({btScalar(0.1), btScalar(0.1), btScalar(0.1)});
+    btRigidBody rigid(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &shape, {1, 1, 1}));
+    rigid.setWorldTransform(to_bullet(start));
+    response->bind(
+        rigid, world.add_rigid_body(
+                   world.add_mesh("box", scenes::box({-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1})), start));
+    rigid.setWorldTransform(to_bullet(end));
+    const SheetReport& report = step([](std::uint32_t, std::uint32_t) { return Vec3d{}; });
+    EXPECT_EQ(report.held_bodies, 0u);
+    EXPECT_NEAR(from_bullet(rigid.getWorldTransform()).position.z, -0.5, 1e-6);
 }
 
 /// A sheet that is thrown at a box beside its centre.

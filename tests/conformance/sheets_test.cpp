@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <tuple>
 
@@ -212,6 +213,48 @@ TEST_P(SheetsTest, WhatIsThroughIsRememberedUpToADepth) {
                         EXPECT_NEAR(c.distance, depth < 1.1f ? -0.02 : 0.02, 1e-6);
                     }
                 }
+}
+
+/// A sheet that is thicker than what is remembered beyond its thickness.
+TEST_P(SheetsTest, WhatIsWithinTheThicknessIsRememberedHoweverFineTheMeshIs) {
+    const MeshData ground = flat(20, 0.01f, {-0.1f, -0.1f, 0}),
+                   small = flat(2, 0.01f, {0, 0, 0.2f});
+    add_sheet(world_, ground, 0.1, SelfCollision::off);
+    const BodyId body = add_sheet(world_, small, 0.1, SelfCollision::off);
+    world_.detect();
+    for (int k = 0; k < 3; ++k) {
+        world_.set_positions(body, moved(small.positions, {0, 0, -0.25f}));
+        world_.detect();
+        int vertices = 0;
+        for (const Contact& c : world_.contacts()) {
+            if (c.is_edge() || c.source_body() != body) continue;
+            ++vertices;
+            EXPECT_NEAR(c.distance, -0.05, 1e-6) << "step " << k;
+            EXPECT_NEAR(std::fabs(c.normal.z), 1, 1e-9);
+        }
+        EXPECT_GE(vertices, 9) << "step " << k;
+    }
+}
+
+TEST_P(SheetsTest, AnEndlessMemoryIsOneAsFarAsBodiesCanBe) {
+    const MeshData ground = flat(4, 0.5f, {-1, -1, 0}),
+                   small = flat(2, 0.2f, {-0.13f, -0.17f, 0.1f});
+    for (const double range : {1e39, std::numeric_limits<double>::infinity()}) {
+        World world(GetParam().make(), {.open_body_range = range});
+        add_sheet(world, ground, 0.05, SelfCollision::off);
+        const BodyId body = add_sheet(world, small, 0.05);
+        world.detect();
+        for (int k = 0; k < 3; ++k) {
+            world.set_positions(body, moved(small.positions, {0, 0, -50}));
+            world.detect();
+            EXPECT_EQ(std::ranges::count_if(world.contacts(),
+                                            [&](const Contact& c) {
+                                                return !c.is_edge() && c.source_body() == body;
+                                            }),
+                      9)
+                << range << ", step " << k;
+        }
+    }
 }
 
 /// A side that is known stays known when something changes that has nothing to do with it.

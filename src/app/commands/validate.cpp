@@ -267,7 +267,8 @@ int validate(const ValidateOptions& options) {
         print(result.validation);
     }
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
-    fmt::print("{}\n", verdict(results));
+    const std::string found = verdict(results) + (stop ? "; modes are missing" : "");
+    fmt::print("{}\n", found);
     json settings = rays_json({.backend = {}, .threads = 0, .world = options.world});
     for (const char* other : {"backend", "threads", "temporal", "predict", "inside", "mesh_cache",
                               "parts", "host_share"})
@@ -289,7 +290,7 @@ int validate(const ValidateOptions& options) {
                                        {"versions", versions_json()},
                                        {"settings", settings},
                                        {"left_out", left_out},
-                                       {"verdict", verdict(results)}});
+                                       {"verdict", found}});
     }
     if (stop) {
         fmt::print(stderr, "pierce: {}: missing are the modes {}{}\n", stop->what(),

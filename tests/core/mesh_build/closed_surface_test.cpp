@@ -423,6 +423,41 @@ TEST(ClosedSurfaceTest, WhatIsInsideOutIsTurnedButCavitiesAreNot) {
     expect_same_inside(closed, whole, 0, "ball with a cavity, inside out");
 }
 
+/// Through a hole in the outer wall, some of the cavity's wall is seen from behind.
+TEST(ClosedSurfaceTest, CavitiesStayWhereBothWallsHaveHoles) {
+    const MeshData ball = scenes::sphere(1, 2);
+    MeshData hollow = scenes::sphere(0.6, 2);
+    for (Triangle& t : hollow.triangles) std::swap(t.vertex[0], t.vertex[1]);
+    const MeshData whole = scenes::joined(ball, hollow);
+    test::Random random(44);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    const auto count = static_cast<int>(ball.triangles.size());
+    for (int i = 0; i < 40; ++i) {
+        MeshData open = whole;
+        const int holes = 1 + i % 5;
+        for (int k = 0; k < holes; ++k) {
+            open.triangles.erase(open.triangles.begin() + count + random.integer(0, count - 10));
+            open.triangles.erase(open.triangles.begin() + random.integer(0, count - 10));
+        }
+        const auto [closed, inside] = solid(open);
+        EXPECT_EQ(inside.left_out_triangles, 0u) << holes << " holes in each wall";
+        expect_same_inside(closed, whole, 0.01, "a ball with a cavity and holes");
+    }
+}
+
+/// A loose triangle and what closes it separate nothing, also where they go through a wall.
+TEST(FixMeshTest, CoversWhatDetectionCovers) {
+    MeshData box = scenes::box({0, 0, 0}, {1, 1, 1});
+    const auto first = static_cast<std::uint32_t>(box.positions.size());
+    for (const Vec3f p : {Vec3f{0.9f, 0.4f, 0.5f}, Vec3f{1.1f, 0.4f, 0.5f}, Vec3f{1, 0.5f, 0.55f}})
+        box.positions.push_back(p);
+    box.triangles.push_back({{first, first + 1, first + 2}});
+    const Mesh given("given", box), fixed("fixed", fix_mesh(box).mesh);
+    ASSERT_TRUE(given.inside().exists() && fixed.inside().exists());
+    EXPECT_EQ(given.inside().covered_triangles, fixed.inside().covered_triangles);
+    EXPECT_LE(given.inside().covered_triangles, 2u) << "the loose ones, and no wall";
+}
+
 TEST(FixMeshTest, ClosesWhatIsNearlyClosed) {
     MeshData ball = scenes::sphere(1, 3);
     const MeshData whole = ball;
