@@ -123,11 +123,8 @@ struct Tree::PointQuery {
     /// Tests those that wait.
     void test() {
         if (count == 0) return;
-        std::uint32_t tested = (1u << count) - 1;
-        if (!search->may_leave_out()) {
-            const FourVec3 corners[3] = {corner(0), corner(1), corner(2)};
-            tested &= sieve.may_be_closest(corners);
-        }
+        const FourVec3 corners[3] = {corner(0), corner(1), corner(2)};
+        std::uint32_t tested = sieve.may_be_closest(corners) & ((1u << count) - 1);
         count = 0;
         for (; tested != 0; tested &= tested - 1) search->test(waiting[lowest_bit(tested)]);
     }
@@ -151,6 +148,7 @@ void Tree::show_near(ClosestSearch& search, std::uint32_t known) const {
     PointQuery query{&search,
                      {search.point(), search.limit(), reach_},
                      2.0 * static_cast<double>(margin_) + constants::slab_margin * furthest};
+    if (search.may_leave_out()) query.sieve.keep_limit();
     if (known != no_triangle) {
         query.add(known);
         query.test();

@@ -72,8 +72,8 @@ public:
         triangle_ = triangle;
     }
 
-    /// True if a triangle that is left out may be closer than the one that is found. A sieve would
-    /// let it hide others.
+    /// True if a triangle that is left out may be closer than the one that is found. A sieve must
+    /// not let it hide others.
     PIERCE_HD bool may_leave_out() const {
         return surface_.covered.size > 0 || kept_out_[0] != no_triangle;
     }

@@ -30,6 +30,9 @@ public:
         shrink(round_up(limit));
     }
 
+    /// Leaves out only what is beyond the limit: of what is seen, some may not count.
+    PIERCE_HD void keep_limit() { shrinks_ = false; }
+
     /// The squared distance of a box, and whether it may hold a triangle that is close enough.
     PIERCE_HD float squared_to(Vec3f lower, Vec3f upper) const {
         const Vec3f from = relative(lower), to = relative(upper);
@@ -51,7 +54,7 @@ public:
                     distance = std::sqrt(squared < least_squared ? least_squared : squared);
         const float most = quick_fma(distance, 1 + constants::point_rounding, lost);
         // Triangles without area are never the closest one.
-        if (most < reach_ && !may_be_degenerate(v0, v1, v2)) shrink(most);
+        if (shrinks_ && most < reach_ && !may_be_degenerate(v0, v1, v2)) shrink(most);
         // No point of the triangle is closer than its corners along any direction; along the way to
         // the closest point, that is how far this is away.
         const float least = quick_min(quick_dot(q, a), quick_min(quick_dot(q, b), quick_dot(q, c)));
@@ -74,7 +77,7 @@ public:
         const auto of_first = [&](const FourVec3& v) {
             return Vec3f{v.x[first], v.y[first], v.z[first]};
         };
-        if (most < reach_ &&
+        if (shrinks_ && most < reach_ &&
             !may_be_degenerate(of_first(corner[0]), of_first(corner[1]), of_first(corner[2])))
             shrink(most);
         // With squares, as roots take long.
@@ -177,6 +180,7 @@ private:
     }
 
     Vec3f high_, low_;
+    bool shrinks_ = true;
     float pad_ = 0;
     float reach_ = std::numeric_limits<float>::infinity();
     float reach_squared_ = std::numeric_limits<float>::infinity();

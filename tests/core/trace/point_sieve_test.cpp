@@ -69,6 +69,16 @@ TEST(PointSieveTest, TheClosestTriangleIsNeverLeftOut) {
                                           at.corner(t + 3, k));
             may_side_by_side |= four.may_be_closest(corners) << t;
         }
+        if (random.integer(0, 3) == 0) {
+            PointSieve limited(at.point, limit, at.box);
+            limited.keep_limit();
+            for (std::uint32_t t = 0; t < 8; ++t)
+                if (distance_to(at.point, at.surface(), t) <= limit) {
+                    ASSERT_TRUE(
+                        limited.may_be_closest(at.corner(t, 0), at.corner(t, 1), at.corner(t, 2)))
+                        << "seed " << random.seed() << ", case " << i << ", triangle " << t;
+                }
+        }
         left_out += 8 - static_cast<int>(bit_count(may));
         left_out_side_by_side += 8 - static_cast<int>(bit_count(may_side_by_side));
         if (all.triangle() == no_triangle) continue;

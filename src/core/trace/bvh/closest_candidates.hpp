@@ -32,11 +32,10 @@ private:
 
     PIERCE_HD std::uint32_t find(const BodyView& body, const Tree& tree, const Ray& ray,
                                  std::uint32_t* triangles) const {
-        // What is left out would hide others from the sieve (ClosestSearch::may_leave_out()).
-        if (body.mesh.covered.size > 0 || ray.excluded[0] != no_triangle)
-            return Candidates::too_many;
         const View<const Vec3f> positions = body.positions;
         PointSieve sieve(ray.origin, ray.t_max, positions_box(body));
+        // As ClosestSearch::may_leave_out().
+        if (body.mesh.covered.size > 0 || ray.excluded[0] != no_triangle) sieve.keep_limit();
         std::uint32_t leaves[leaf_room], open[constants::traversal_stack];
         std::uint32_t found = 0, opened = 1, count = 0;
         open[0] = no_node;  // popped when nothing is left
