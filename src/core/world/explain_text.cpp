@@ -7,9 +7,9 @@
 namespace pierce {
 namespace {
 
-std::string number(double value) {
+std::string number(double value, int digits = 6) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
     return text;
 }
 
@@ -158,8 +158,10 @@ std::string Explanation::text() const {
             "", "the vertices of its patch are proved to stay outside",
             "the vertices of its patch that were not near are proved to stay outside",
             "it is proved to stay outside"};
+        // What is left hangs on how often a body that stands still was looked at, by rounding.
+        constexpr int few = 3;
         s += std::string(" No ray is needed until the bodies have moved by another ") +
-             number(certificate.left) + ": " + who[certificate.kind] + ".";
+             number(certificate.left, few) + ": " + who[certificate.kind] + ".";
     }
     return s;
 }

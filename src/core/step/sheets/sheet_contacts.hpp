@@ -191,7 +191,8 @@ struct FillSheetContact {
         SheetRecord record;
         record.other = f.other;
         record.age = c.age;
-        const bool is_through = m.distance < 0 && -m.distance <= target.view.memory + pair.thickness;
+        const bool is_through = m.distance < 0 &&
+                                -m.distance <= target.view.memory + pair.thickness;
         record.side = is_through ? judgement.side : std::int8_t{0};
         record.found = judgement.found;
         record.is_self = pair.is_self();
