@@ -45,8 +45,8 @@ def _closest_on_triangles(triangles: Floats, points: Floats) -> Floats:
     size = np.abs(triangles - origin[:, None]).max(axis=(1, 2))[:, None]
     size[size == 0] = 1
     ones, at = (triangles - origin[:, None]) / size[:, None], (points - origin) / size
-    found: Floats = closest_point(ones, at)  # type: ignore[no-untyped-call]
-    return origin + size * found
+    found: Floats = origin + size * closest_point(ones, at)  # type: ignore[no-untyped-call]
+    return found
 
 
 def _closest_on_segments(

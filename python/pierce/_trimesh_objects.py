@@ -38,7 +38,7 @@ class Shape:
     def __init__(self, mesh: trimesh.Trimesh) -> None:
         # Vertices without faces are no part of a body.
         used, corners = np.unique(mesh.faces, return_inverse=True)
-        self.vertices = np.array(mesh.vertices, dtype=np.float64)[used]
+        self.vertices: Floats = np.array(mesh.vertices, dtype=np.float64)[used]
         self.faces = corners.reshape(-1, 3)
         self._data = self.vertices.astype(np.float32), self.faces.astype(np.uint32)
         self.solid = _core.Mesh.make(self._data)
