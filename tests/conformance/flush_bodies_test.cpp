@@ -77,7 +77,7 @@ TEST_P(FlushBodiesTest, ABodyInThePlaceOfAPartIsAsDeepAsThePart) {
     EXPECT_GE(found.parting, 1 - 1e-6);
 }
 
-/// The corner within three walls is a saddle: the normals of its triangles cancel.
+/// The corner within three walls of six cubes is a saddle: the normals of its triangles cancel.
 MeshData three_walls() {
     // The outer corner at -1, the inner one at 0; each wall reaches to 1.
     MeshData mesh;
@@ -91,7 +91,7 @@ MeshData three_walls() {
         const int cell[] = {x, y, z};
         for (const int c : cell)
             if (c < 0 || c > 1) return false;
-        return !(x == 1 && y == 1 && z == 1);
+        return x + y + z > 0 && x + y + z < 3;
     };
     const auto node = [&](int x, int y, int z) {
         return grid[static_cast<std::size_t>(x + 3 * y + 9 * z)];
