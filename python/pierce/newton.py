@@ -36,7 +36,8 @@ class CollisionPipeline:
     """Finds the contacts of a model: Pierce's between meshes, and Newton's own of all else.
 
     Pierce takes the pairs in which both shapes are a mesh, a convex mesh or a box.
-    A mesh is its triangles, concave or not; a convex mesh is the hull of its vertices.
+    A mesh is its triangles, concave or not; a convex mesh is the hull of all its vertices, unless
+    its `maxhullvert` is not Newton's default.
     All other pairs, such as those with a plane, a sphere, a capsule or a height field, and all
     contacts of particles, are found by a `newton.CollisionPipeline` and are in the same list,
     before Pierce's.

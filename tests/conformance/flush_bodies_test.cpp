@@ -77,24 +77,19 @@ TEST_P(FlushBodiesTest, ABodyInThePlaceOfAPartIsAsDeepAsThePart) {
     EXPECT_GE(found.parting, 1 - 1e-6);
 }
 
-/// The corner within three walls of six cubes is a saddle: the normals of its triangles cancel.
+/// Three walls of six cubes, which meet at the origin. Their corner there is a saddle: the normals
+/// of its triangles cancel.
 MeshData three_walls() {
-    // The outer corner at -1, the inner one at 0; each wall reaches to 1.
     MeshData mesh;
-    const auto at = [&](double x, double y, double z) {
-        mesh.positions.push_back(to_float(Vec3d{x, y, z}));
-        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    for (int k = 0; k < 27; ++k)
+        mesh.positions.push_back(to_float(Vec3d{k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0}));
+    const auto node = [](int x, int y, int z) {
+        return static_cast<std::uint32_t>(x + 3 * y + 9 * z);
     };
-    std::vector<std::uint32_t> grid;  // of -1, 0 and 1, three ways
-    for (int k = 0; k < 27; ++k) grid.push_back(at(k % 3 - 1.0, k / 3 % 3 - 1.0, k / 9 - 1.0));
+    // Of eight cubes, all but the outermost one and the one that the walls surround.
     const auto is_wall = [](int x, int y, int z) {
-        const int cell[] = {x, y, z};
-        for (const int c : cell)
-            if (c < 0 || c > 1) return false;
-        return x + y + z > 0 && x + y + z < 3;
-    };
-    const auto node = [&](int x, int y, int z) {
-        return grid[static_cast<std::size_t>(x + 3 * y + 9 * z)];
+        return std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= 1 && x + y + z > 0 &&
+               x + y + z < 3;
     };
     for (int z = 0; z < 2; ++z)
         for (int y = 0; y < 2; ++y)
