@@ -28,6 +28,7 @@ public:
         std::swap(is_ready_, other.is_ready_);
         std::swap(is_done_, other.is_done_);
     }
+    bool exists() const { return stream_ != nullptr; }
     /// What is issued on `ours` from now on begins when all is done that the caller has issued.
     void hold_up(cudaStream_t ours) {
         if (stream_ != nullptr) pass(stream_, is_ready_, ours);

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <span>
 #include <utility>
@@ -60,7 +61,7 @@ public:
     }
     ~CudaBackend() override {
         // What is freed after this body needs the device, too.
-        current_at_end_.emplace(device_);
+        current_at_end_.emplace(device_, std::nothrow);
         drop_graphs();
         for (cudaEvent_t event : events_) cudaEventDestroy(event);
     }
@@ -99,7 +100,10 @@ public:
         // Since the step, sheets may have gone.
         if (mirror().scene().plan->sheets || !pipeline().sheet_contacts().empty())
             contacts.sheets = sheets_.fill(executor(), pipeline().sheet_contacts(), bodies, worlds);
-        caller_.let_go_on(stream());
+        if (caller_.exists())
+            caller_.let_go_on(stream());
+        else
+            executor().wait();
         return contacts;
     }
 
@@ -306,15 +310,24 @@ private:
 
 }  // namespace
 
+namespace {
+
+bool has_pools(int device) {
+    int pools = 0;
+    cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device);
+    return pools != 0;
+}
+
+}  // namespace
+
 std::string cuda_problem() {
     int count = 0;
     const cudaError_t error = cudaGetDeviceCount(&count);
     if (error != cudaSuccess) return cudaGetErrorString(error);
     if (count == 0) return "no CUDA device";
-    int device = 0, pools = 0;
+    int device = 0;
     cudaGetDevice(&device);
-    cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device);
-    return pools == 0 ? "the device has no memory pools" : "";
+    return has_pools(device) ? "" : "the device has no memory pools";
 }
 
 namespace {
@@ -356,6 +369,8 @@ std::unique_ptr<Backend> cuda_backend(CudaOptions options) {
     for (const int device : options.devices)
         if (device < 0 || device >= count)
             throw InputError("there is no CUDA device " + std::to_string(device));
+        else if (!has_pools(device))
+            throw InputError("CUDA device " + std::to_string(device) + " has no memory pools");
     if (options.devices.empty()) return std::make_unique<CudaBackend>(options);
     connect(options.devices);
     std::vector<Part> parts;

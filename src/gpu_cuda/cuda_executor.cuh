@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstring>
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 #include <cub/device/device_select.cuh>
@@ -342,8 +344,17 @@ public:
     template <class T>
     void upload(std::span<const T> items, Buffer<T>& buffer) {
         buffer.resize(static_cast<std::uint32_t>(items.size()));
-        copy(buffer.data(), items.data(), items.size(), cudaMemcpyHostToDevice);
-        wait();  // the caller may free the items now
+        if (items.size_bytes() == 0) return;
+        if (items.size_bytes() > staged_at_once) {
+            copy(buffer.data(), items.data(), items.size(), cudaMemcpyHostToDevice);
+            return wait();  // the caller may free the items now
+        }
+        if (staged_ + items.size_bytes() > staged_at_once) wait();
+        std::byte* const staged = stage_.resize(staged_at_once) + staged_;
+        std::memcpy(staged, items.data(), items.size_bytes());
+        copy(reinterpret_cast<std::byte*>(buffer.data()), staged, items.size_bytes(),
+             cudaMemcpyHostToDevice);
+        staged_ += items.size_bytes();
     }
 
     template <class T>
@@ -367,10 +378,15 @@ public:
         if (!bounded_) wait();
     }
 
-    void wait() const { cuda::check(cudaStreamSynchronize(stream_), "waiting for the device"); }
+    void wait() const {
+        cuda::check(cudaStreamSynchronize(stream_), "waiting for the device");
+        staged_ = 0;
+    }
 
 private:
     static constexpr std::uint32_t most_totals = 128;
+    // Short arrays go to the device from memory that the host writes without waiting.
+    static constexpr std::size_t staged_at_once = std::size_t{1} << 14;  // [bytes]
 
     void begin(std::uint32_t bank, bool is_bounded) {
         is_finished_ = false;
@@ -556,6 +572,8 @@ private:
                                       ///< the work beside the rest began, or has there
     std::uint32_t* host_totals_ = nullptr;  ///< the totals of both banks, and whether one has
                                             ///< overflowed
+    cuda::StagingBuffer<std::byte> stage_;
+    mutable std::size_t staged_ = 0;  ///< bytes of it that the device may still read
     Buffer<std::byte> scratch_;
     /// What belongs to the work beside the rest.
     struct {

@@ -81,7 +81,7 @@ public:
             view_of(std::as_const(listed_)));
         check(cudaGetLastError(), "a launch");
         check(cudaEventRecord(done_, stream_), "an event");
-        if (!are_ghosts_) check(cudaStreamWaitEvent(ours, done_), "an event");
+        if (!only_ghosts_) check(cudaStreamWaitEvent(ours, done_), "an event");
     }
     /// When all is copied.
     cudaEvent_t done() const { return done_; }
@@ -90,10 +90,10 @@ private:
     void list() {
         FarBody* const staged = staged_.resize(bodies_.size());
         std::size_t count = 0;
-        are_ghosts_ = true;
+        only_ghosts_ = true;
         for (const auto& [body, far] : bodies_) {
             staged[count++] = far;
-            are_ghosts_ = are_ghosts_ && far.is_ghost;
+            only_ghosts_ = only_ghosts_ && far.is_ghost;
         }
         listed_.resize(static_cast<std::uint32_t>(count));
         copy(listed_.data(), staged, count, cudaMemcpyHostToDevice, stream_);
@@ -102,7 +102,7 @@ private:
 
     std::map<std::uint32_t, FarBody> bodies_;  ///< by body
     bool differs_ = false;                     ///< from those listed
-    bool are_ghosts_ = true;                   ///< all of those listed
+    bool only_ghosts_ = true;                   ///< all of those listed
     StagingBuffer<FarBody> staged_;
     DeviceBuffer<FarBody> listed_;
     cudaStream_t stream_ = nullptr;

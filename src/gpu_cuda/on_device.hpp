@@ -2,6 +2,8 @@
 
 #include <cuda_runtime_api.h>
 
+#include <new>
+
 #include "gpu_cuda/cuda_check.hpp"
 
 namespace pierce::cuda {
@@ -20,6 +22,11 @@ public:
         check(cudaSetDevice(device), "the choice of a device");
     }
     OnDevice(const OnDevice&) = delete;
+    /// In a destructor, where an error of earlier work must not throw.
+    OnDevice(int device, std::nothrow_t) noexcept : before_(device) {
+        cudaGetDevice(&before_);
+        cudaSetDevice(device);
+    }
     ~OnDevice() { cudaSetDevice(before_); }
 
 private:

@@ -74,7 +74,8 @@ inline __global__ void measure_reach(View<const ReachSource> sources, View<Box> 
 /// Measures the reach of bodies that have their places in device memory.
 class ReachMeter {
 public:
-    /// As Backend::measure_reach(). Waits for the device.
+    /// As Backend::measure_reach(). Waits for the device, unless there is nothing to compare with;
+    /// fetch() follows then.
     double measure(View<const BodyView> bodies, View<const std::uint32_t> some,
                    View<const double> more, bool anew, cudaStream_t stream) {
         if (some.size == 0) return 0;

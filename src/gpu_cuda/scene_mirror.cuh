@@ -37,7 +37,7 @@ public:
         }
         scene_.plan = host.plan;
         scene_.part = host.part;
-        places_.send(host, view_of(bodies_));
+        places_.send(change == Change::all ? as_changed(host) : host, view_of(bodies_));
         if (change == Change::all || sent_forgets_ != host.forgets_sides[0]) {
             sent_forgets_ = host.forgets_sides[0];
             executor_.upload(std::span<const std::uint32_t>(&sent_forgets_, 1), forgets_);
@@ -109,18 +109,19 @@ private:
         return grows && count > 0 ? count + count / spare_share + spare_items : count;
     }
 
-    /// True if steps of the plan do what those of the last one did.
-    bool is_alike(const Plan& plan) const {
-        Plan last = plan_;
-        last.revision = plan.revision;
-        last.open_bodies = plan.open_bodies;
-        last.notes = plan.notes;
-        return last == plan;
+    /// The scene as if all bodies had changed.
+    Scene as_changed(const Scene& host) {
+        all_bodies_.clear();
+        for (std::uint32_t b = 0; b < host.bodies.size; ++b)
+            if (host.ids[b]) all_bodies_.push_back(b);
+        Scene all = host;
+        all.changed = pierce::view_of(std::as_const(all_bodies_));
+        return all;
     }
 
     /// Copies only the bodies that have changed; false if that cannot be done.
     bool follow(const Scene& host) {
-        if (known_.size() != host.bodies.size || !is_alike(*host.plan)) return false;
+        if (known_.size() != host.bodies.size || !plan_.steps_like(*host.plan)) return false;
         std::vector<std::uint32_t> changed;
         for (std::uint32_t b = 0; b < host.bodies.size; ++b) {
             if (known_[b].id != host.ids[b] || known_[b].motion != host.bodies[b].motion)
@@ -132,19 +133,21 @@ private:
         if (!std::ranges::all_of(changed,
                                  [&](std::uint32_t b) { return meshes_.can_add(host.bodies[b]); }))
             return false;
-        bool sizes_differ = false;
+        bool items_differ = false;
         for (std::uint32_t b : changed)
             if (host.bodies[b].motion == Motion::deforming) {
                 const BodyView& body = host.bodies[b];
-                sizes_differ = sizes_differ || body.patches.size != patches_at_.size(b) ||
-                               body.box_nodes.size != nodes_at_.size(b);
+                // Those of ghosts come last.
+                items_differ = items_differ || body.patches.size != patches_at_.size(b) ||
+                               body.box_nodes.size != nodes_at_.size(b) ||
+                               body.part != known_[b].part;
                 if (!places_.vertices().resize(b, body.positions.size) ||
                     !blocks_at_.resize(b, body.blocks.size) ||
                     !patches_at_.resize(b, body.patches.size) ||
                     !nodes_at_.resize(b, body.box_nodes.size))
                     return false;
             }
-        if (sizes_differ && !send_items(host)) return false;
+        if (items_differ && !send_items(host)) return false;
         meshes_.forget_unused(host.bodies);
         replace(host, changed);
         send_filters(host);
@@ -155,7 +158,7 @@ private:
     bool send_items(const Scene& host) {
         if (host.block_items.size > block_items_.size()) return false;
         // Captured steps wait for ghosts only after as many blocks.
-        if (scene_.ghost_blocks > 0 && host.own_blocks() < scene_.own_blocks()) return false;
+        if (host.ghost_blocks > 0 && host.own_blocks() < scene_.own_blocks()) return false;
         for (std::uint32_t level = 0; level < BoxLevels::most; ++level)
             if (host.level_begin[level + 1] - host.level_begin[level] >
                 scene_.level_begin[level + 1] - scene_.level_begin[level])
@@ -194,10 +197,11 @@ private:
     }
 
     void replace(const Scene& host, std::span<const std::uint32_t> bodies) {
+        // A mesh is there with all that some body needs of it before a body looks at it.
+        for (const std::uint32_t b : bodies) meshes_.add(host.bodies[b]);
         ChangedBody* const changed = staged_changes_.resize(bodies.size());
         for (std::size_t k = 0; k < bodies.size(); ++k) {
             const std::uint32_t b = bodies[k];
-            meshes_.add(host.bodies[b]);
             const std::uint32_t seen_before = known_[b].seen;
             changed[k] = place(host, b);
             // Where the sizes agree, the step compares with the last shape.
@@ -340,6 +344,7 @@ private:
     bool meshes_change_ = false;  ///< a body has got another mesh
     bool has_room_ = false;       ///< for bodies that grow
     MeshMirror meshes_;
+    std::vector<std::uint32_t> all_bodies_;
     std::vector<Known> known_;  ///< per body, like the next ones
     PlaceMirror places_;
     Places blocks_at_, patches_at_, nodes_at_;

@@ -37,7 +37,7 @@ std::vector<double> shares_of(const std::vector<Part>& parts) {
     return shares;
 }
 
-void check_count(std::size_t parts) {
+void check_part_count(std::size_t parts) {
     if (parts == 0 || parts > most_parts)
         throw InputError("a partitioned backend has 1 to " + std::to_string(most_parts) +
                          " parts, not " + std::to_string(parts));
@@ -68,7 +68,7 @@ std::string PartitionedBackend::description() const {
     return text;
 }
 bool PartitionedBackend::runs_on_device() const {
-    return std::ranges::all_of(parts_, &PartitionedBackend::is_on_device);
+    return std::ranges::all_of(parts_, &PartitionedBackend::runs_there);
 }
 bool PartitionedBackend::calls_pair_filters() const {
     return std::ranges::all_of(
@@ -80,7 +80,7 @@ std::vector<PlannedPart> PartitionedBackend::parts() const {
     for (const Share& part : parts_) {
         const auto [own, ghosts, triangles] = part.scene.sizes();
         all.push_back({.backend = part.backend->description(),
-                       .on_device = is_on_device(part),
+                       .on_device = runs_there(part),
                        .share = partition_.shares()[part.number],
                        .bodies = own,
                        .ghosts = ghosts,
@@ -342,7 +342,7 @@ void PartitionedBackend::merge() const {
 }
 
 std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
-    check_count(parts.size());
+    check_part_count(parts.size());
     double sum = 0;
     for (const Part& part : parts) {
         sum += part.share;
@@ -357,7 +357,7 @@ std::unique_ptr<Backend> partitioned_backend(std::vector<Part> parts) {
 std::unique_ptr<Backend> partitioned_backend(
     std::uint32_t parts, int threads,
     const std::function<std::unique_ptr<Backend>(int threads)>& make) {
-    check_count(parts);
+    check_part_count(parts);
     if (!make) throw InputError("parts need a function that makes their backends");
     const auto processors = static_cast<int>(std::thread::hardware_concurrency());
     const int all = threads == 0 ? processors : threads,

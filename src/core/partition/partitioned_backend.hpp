@@ -73,7 +73,7 @@ private:
         bool was_still = false;      ///< nothing had changed in the last step
     };
 
-    static bool is_on_device(const Share& part) { return part.backend->runs_on_device(); }
+    static bool runs_there(const Share& part) { return part.backend->runs_on_device(); }
     std::uint32_t part_of(View<const BodyView> bodies, Pair pair) const;
 
     void find_contacts(const Scene& whole, StepStats& stats);

@@ -32,10 +32,13 @@ void require_address(const void* address, const char* what) {
 }
 
 /// Gives bodies the poses pose_at(k), where k is the first of their seven numbers. Throws before
-/// any change if one of them cannot have a pose.
+/// any change if one of them cannot have a pose there.
 template <class State, class PoseAt>
 void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt& pose_at) {
     state.check_have_poses(bodies);
+    if (!state.planned) state.make_plan();
+    if (state.plan.sheets)
+        throw InputError("a world with a sheet cannot have poses in device memory");
     for (std::size_t k = 0; k < bodies.size(); ++k) {
         BodyEntry& entry = state.bodies.get(bodies[k], "body");
         entry.device_pose = pose_at(pose_numbers * k);

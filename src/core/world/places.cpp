@@ -97,7 +97,8 @@ void World::set_positions(BodyId body, std::span<const Vec3f> positions) {
     check_count(positions.size(), state_->mesh_of(entry));
     state_->begin_motion(body);
     std::ranges::copy(positions, entry.positions.begin());
-    if (!entry.usable && !is_usable(entry.start)) entry.start = entry.positions;
+    if ((!entry.usable || entry.is_on_device()) && !is_usable(entry.start))
+        entry.start = entry.positions;
     entry.leave_device();
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);

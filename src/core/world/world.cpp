@@ -156,6 +156,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
                             "body " + std::to_string(body.index));
     // Without memory for these, nothing changes.
     std::vector<Vec3f> start(positions.begin(), positions.end()), end = start;
+    state_->change_mesh(body);
     entry.mesh = mesh;
     // The next step compares with the last shape, vertex by vertex, if both have as many patches.
     if (entry.seen.size() != patch_count(shape.view({}))) entry.seen.clear();
@@ -164,7 +165,6 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     entry.leave_device();
     entry.positions_version = state_->next_key++;
     entry.usable = is_usable(positions);
-    state_->change();
 }
 
 void World::set_mesh(BodyId body, MeshId mesh) {
@@ -172,8 +172,8 @@ void World::set_mesh(BodyId body, MeshId mesh) {
     state_->meshes.get(mesh, "mesh");
     if (entry.motion == Motion::deforming)
         throw InputError("body " + std::to_string(body.index) + " deforms: a mesh needs positions");
+    state_->change_mesh(body);
     entry.mesh = mesh;
-    state_->change();
 }
 
 void World::forget_sides() { state_->forgets_sides = true; }

@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <set>
+#include <utility>
 
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
@@ -15,15 +18,20 @@
 
 namespace pierce {
 
-void World::State::add_blocks(std::uint32_t body) {
-    BlockRange range{body, static_cast<std::uint32_t>(block_items.size()), 0};
-    for (std::uint32_t b = 0; b < block_count(views[body].mesh); ++b)
-        block_items.push_back({body, b});
-    range.last = static_cast<std::uint32_t>(block_items.size());
-    ranges.push_back(range);
+void World::State::list_blocks() {
+    block_items.clear();
+    ranges.clear();
+    for (std::uint32_t body = 0; body < views.size(); ++body) {
+        if (!ids[body] || views[body].motion != Motion::deforming) continue;
+        BlockRange range{body, static_cast<std::uint32_t>(block_items.size()), 0};
+        for (std::uint32_t b = 0; b < views[body].blocks.size; ++b)
+            block_items.push_back({body, b});
+        range.last = static_cast<std::uint32_t>(block_items.size());
+        ranges.push_back(range);
+    }
 }
 
-void World::State::add_nodes() {
+void World::State::list_nodes() {
     node_items.clear();
     for (std::uint32_t level = 0; level < BoxLevels::most; ++level) {
         level_begin[level] = static_cast<std::uint32_t>(node_items.size());
@@ -101,6 +109,12 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
         throw InputError(name + " is a solid: rays along velocities are for sheets");
 }
 
+void World::State::change_mesh(BodyId body) {
+    if (planned) reshaped.emplace();
+    if (reshaped) reshaped->push_back(body.index);
+    planned = stepped = still = false;
+}
+
 void World::State::note_change(BodyId body) {
     changed.push_back(body.index);
     stepped = false;
@@ -111,10 +125,15 @@ BodyEntry& World::State::begin_motion(BodyId id) {
     if (!body.moved) {
         body.start.resize(body.positions.size());  // without memory, nothing has changed yet
         note_change(id);
+        // Where the last step left a body in device memory, the caller has it as long as no other
+        // place is set.
+        const bool was_on_device = body.last_positions != nullptr,
+                   is_there = plan.sheets && body.last_positions == body.device_positions;
+        if (was_on_device && is_there) bring_places({&id.index, 1});
         body.moved = true;
         body.start_pose = body.pose;
         body.start.swap(body.positions);
-        if (!body.usable) body.forget_start();
+        if (!body.usable || (was_on_device && !is_there)) body.forget_start();
     }
     stepped = false;
     return body;
@@ -134,7 +153,11 @@ void World::State::check_stepped(const char* who) const {
 }
 
 void World::State::end_motion() {
-    for (const std::uint32_t i : refreshed) bodies.slots()[i].thing.moved = false;
+    for (const std::uint32_t i : refreshed) {
+        BodyEntry& body = bodies.slots()[i].thing;
+        body.moved = false;
+        body.last_positions = body.device_positions;
+    }
     changed_last.swap(changed);
     changed.clear();
 }
@@ -254,6 +277,17 @@ void World::State::decide_plan() {
 
     plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
                             (kinds.deforming || plan.is_complete());
+    for (const auto& slot : bodies.slots())
+        if (slot.used) describe(slot.thing, mesh_of(slot.thing));
+    plan.measures_deformation = plan.deforming_bodies > 0;
+}
+
+/// What follows from the plan as it is decided.
+void World::State::finish_plan() {
+    list_stages(plan);
+    resting_plan = plan;
+    resting_plan.settings.temporal = Temporal::off;
+    list_stages(resting_plan);
 }
 
 /// What steps read of a body's mesh, and where they write what they measure of the body.
@@ -277,7 +311,6 @@ void World::State::make_view(std::uint32_t i) {
     view.memory = plan.sheets ? std::min(view.range, 2 * constants::largest_coordinate) : 0.0;
     view.fit_box = view.mesh.box;
     view.touch = constants::touch_tolerance * view.fit_box.extent();
-    describe(body, *entry.mesh);
     if (body.motion == Motion::deforming) {
         place_vertices(i);
         body.blocks.resize(block_count(view.mesh));
@@ -292,7 +325,6 @@ void World::State::make_view(std::uint32_t i) {
             body.seen.resize(patch_count(view.mesh));
             seen[i] = view_of(body.seen);
         }
-        add_blocks(i);
     } else {
         view.positions = view.mesh.positions;
         view.blocks = view.mesh.blocks;
@@ -302,10 +334,13 @@ void World::State::make_view(std::uint32_t i) {
 }
 
 void World::State::make_plan() {
+    const std::optional<std::vector<std::uint32_t>> some = std::exchange(reshaped, std::nullopt);
+    if (some && adapt_plan(*some)) {
+        planned = true;
+        return;
+    }
     decide_plan();
     const std::size_t slots = bodies.slots().size();
-    block_items.clear();
-    ranges.clear();
     views.assign(slots, {});
     ids.assign(slots, {});
     blocks.assign(slots, {});
@@ -313,19 +348,44 @@ void World::State::make_plan() {
     box_nodes.assign(slots, {});
     seen.assign(slots, {});
     for (std::uint32_t i = 0; i < slots; ++i) make_view(i);
-    add_nodes();
+    list_blocks();
+    list_nodes();
     arrange_worlds();
-    plan.measures_deformation = plan.deforming_bodies > 0;
-    list_stages(plan);
-    resting_plan = plan;
-    resting_plan.settings.temporal = Temporal::off;
-    list_stages(resting_plan);
+    finish_plan();
     not_seen.assign(slots, {});
     planned = true;
     unusable.clear();
     changed.clear();
     for (std::uint32_t i = 0; i < ids.size(); ++i)
         if (ids[i]) changed.push_back(i);
+}
+
+bool World::State::adapt_plan(std::span<const std::uint32_t> some) {
+    const Plan before = std::exchange(plan, {});
+    decide_plan();
+    plan.worlds = before.worlds;
+    plan.excluded_pairs = before.excluded_pairs;
+    finish_plan();
+    if (!before.steps_like(plan)) return false;
+    bool same_sizes = true;
+    for (const std::uint32_t i : some) {
+        const std::uint32_t world_place = views[i].world_place;
+        const std::array had{blocks[i].size, box_nodes[i].size};
+        views[i] = {};
+        blocks[i] = {};
+        patches[i] = {};
+        box_nodes[i] = {};
+        seen[i] = {};
+        make_view(i);
+        views[i].world_place = world_place;
+        same_sizes = same_sizes && had == std::array{blocks[i].size, box_nodes[i].size};
+        changed.push_back(i);
+    }
+    if (!same_sizes) {
+        list_blocks();
+        list_nodes();
+    }
+    return true;
 }
 
 void World::State::refresh_views() {

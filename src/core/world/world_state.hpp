@@ -4,6 +4,7 @@
 #include <cmath>
 #include <compare>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -52,8 +53,9 @@ struct BodyEntry {
     Filter filter;
     const Vec3f* device_positions = nullptr;  ///< in place of `positions`
     const Vec3f* device_start = nullptr;
-    DevicePose device_pose;          ///< in place of `pose`
-    std::vector<PatchBlock> blocks;  ///< of a deforming body
+    DevicePose device_pose;                 ///< in place of `pose`
+    const Vec3f* last_positions = nullptr;  ///< in device memory, where the last step read them
+    std::vector<PatchBlock> blocks;         ///< of a deforming body
     std::vector<Offsets> patches;
     std::vector<BoxNode> box_nodes;
     std::vector<SeenPatch> seen;
@@ -73,7 +75,7 @@ struct BodyEntry {
         if (!start.empty()) start[0].x = NAN;
     }
     void leave_device() {
-        device_positions = device_start = nullptr;
+        device_positions = device_start = last_positions = nullptr;
         device_pose = {};
     }
 };
@@ -123,8 +125,11 @@ struct World::State {
     bool stepped = false;             ///< bodies are where the last step saw them
     bool still = false;               ///< nothing had changed in the last step
 
-    // What a step reads. It is made anew when bodies are added, removed or change kind.
+    // What a step reads. It is made anew when bodies are added, removed or change kind, and adapted
+    // when some have only got other meshes.
     bool planned = false;
+    std::optional<std::vector<std::uint32_t>> reshaped;  ///< what is not planned: these bodies have
+                                                         ///< other meshes, and nothing else
     Plan plan;
     Plan resting_plan;  ///< the same without memory
     MemoryRest rest;
@@ -171,7 +176,12 @@ struct World::State {
                may_rest(plan, asked_filter());
     }
     /// To be called before bodies are added, removed or changed.
-    void change() { planned = stepped = still = false; }
+    void change() {
+        planned = stepped = still = false;
+        reshaped.reset();
+    }
+    /// To be called instead if a body only gets another mesh.
+    void change_mesh(BodyId body);
     /// How many of the changed bodies may have moved. A plan made anew, or a restored world, does
     /// not move any.
     std::size_t moved_bodies() const;
@@ -205,7 +215,11 @@ struct World::State {
     BodyKinds kinds_of(const BodyEntry& body) const;
     /// Makes what does not change between steps.
     void make_plan();
+    /// The same where a plan is there and the bodies have only got other meshes; false if that
+    /// changes what steps do.
+    bool adapt_plan(std::span<const std::uint32_t> some);
     void decide_plan();
+    void finish_plan();
     void make_view(std::uint32_t index);
     void arrange_worlds();
     /// What the next step reads; `rests`: it remembers nothing. `forgets`: 1 if sheets forget their
@@ -213,8 +227,8 @@ struct World::State {
     Scene scene(bool rests, const std::uint32_t& forgets);
     /// [length] How near other solids are in contact with the body.
     double margin_of(const BodyEntry& body) const;
-    void add_blocks(std::uint32_t body);
-    void add_nodes();
+    void list_blocks();
+    void list_nodes();
     void describe(const BodyEntry& body, const Mesh& mesh);
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.

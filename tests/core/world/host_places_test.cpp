@@ -139,5 +139,79 @@ TEST_F(HostPlacesTest, AreRefusedWhereAStepWouldHaveToTell) {
     EXPECT_THROW(there.impacts(), InputError);
 }
 
+/// A sheet above a box, in device memory and the same on the host.
+struct Sheet {
+    MeshData plane;
+    World there{std::make_unique<test::DeviceBackend>()}, here{bvh_backend()};
+    BodyId box, sheet;
+    std::vector<Vec3f> start, end;  ///< in device memory
+
+    Sheet() {
+        plane.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+        plane.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
+        for (World* w : {&there, &here}) {
+            box = w->add_fixed_body(w->add_mesh("box", scenes::box({-2, -2, -1}, {2, 2, 0})));
+            sheet = w->add_deforming_body(w->add_mesh("plane", plane), at(3));
+            w->set_collision(sheet, {.sheet = true});
+        }
+    }
+    std::vector<Vec3f> at(float height) const {
+        std::vector<Vec3f> positions = plane.positions;
+        for (Vec3f& p : positions) p.z = height;
+        return positions;
+    }
+    /// A step in which the sheet moves; its place stays in device memory.
+    void step(float from, float to) {
+        start = at(from);
+        end = at(to);
+        there.set_device_motion(sheet, start.data(), end.data());
+        here.set_motion(sheet, start, end);
+        detect("in device memory");
+    }
+    void detect(const char* what) {
+        for (World* w : {&there, &here}) w->detect();
+        EXPECT_EQ(contact_hash(there.contacts()), contact_hash(here.contacts())) << what;
+    }
+};
+
+TEST(HostPlacesSheetTest, AMotionBeginsWhereTheLastStepHasEnded) {
+    Sheet s;
+    s.step(3, 2);
+    s.step(2, 0.5f);
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, s.at(0.25f));
+    s.detect("above the box");
+    EXPECT_TRUE(s.there.contacts().empty());
+    s.step(0.25f, 0.125f);
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, s.at(-0.25f));
+    s.detect("into the box");
+    EXPECT_FALSE(s.there.contacts().empty());
+}
+
+TEST(HostPlacesSheetTest, AMotionBeginsWhereTheBodyIsPutIfItsLastPlaceIsUnknown) {
+    Sheet s;
+    s.step(3, 0.5f);
+    const std::vector<Vec3f> others = s.at(0.4f);
+    s.there.set_device_motion(s.sheet, others.data(), others.data());
+    s.there.set_positions(s.sheet, s.at(-0.25f));
+    s.here.set_motion(s.sheet, s.at(-0.25f), s.at(-0.25f));
+    s.detect("put there");
+
+    std::vector<Vec3f> unusable = s.at(1);
+    unusable[2].x = std::numeric_limits<float>::quiet_NaN();
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, unusable);
+    s.detect("left out");
+    s.there.set_device_motion(s.sheet, others.data(), others.data());
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, s.at(-0.25f));
+    s.detect("put there again");
+}
+
+TEST(HostPlacesSheetTest, PosesInDeviceMemoryAreRefusedAtOnce) {
+    Sheet s;
+    const BodyId rigid = s.there.add_rigid_body(s.there.mesh_of(s.box));
+    const std::vector<double> pose{0, 0, 9, 0, 0, 0, 1};
+    EXPECT_THROW(s.there.set_device_poses({&rigid, 1}, pose.data()), InputError);
+    EXPECT_NO_THROW(s.there.detect());
+}
+
 }  // namespace
 }  // namespace pierce

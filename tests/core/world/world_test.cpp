@@ -259,21 +259,6 @@ TEST(WorldTest, AnOpenBodyIsASourceButNoTarget) {
     EXPECT_THAT(world.plan().notes[0], HasSubstr("'sheet': open"));
 }
 
-TEST(WorldTest, ThePlanFollowsTheBodies) {
-    World world;
-    const MeshId box = world.add_mesh("box", unit_box());
-    const BodyId rigid = world.add_rigid_body(box);
-    EXPECT_FALSE(world.plan().measures_deformation);
-    EXPECT_FALSE(world.plan().traces_own_exits);
-    const BodyId soft = world.add_deforming_body(box);
-    EXPECT_TRUE(world.plan().measures_deformation);
-    EXPECT_EQ(world.plan().deforming_bodies, 1u);
-    world.remove_body(soft);
-    EXPECT_FALSE(world.plan().measures_deformation);
-    world.remove_body(rigid);
-    EXPECT_EQ(world.plan().rigid_bodies, 0u);
-}
-
 // Whether a plan was made between is no matter.
 TEST(WorldTest, AnEmptiedWorldBeginsAnew) {
     for (const bool plans : {false, true})

@@ -51,6 +51,15 @@ struct Plan {
     /// True if boxes around the triangles of deforming solids are measured.
     bool needs_boxes() const { return misses_no_overlap() || margins; }
     bool needs(StageId stage) const { return std::ranges::find(stages, stage) != stages.end(); }
+    /// True if steps of both plans do the same; what is told of the bodies may differ.
+    bool steps_like(const Plan& other) const {
+        Plan same = other;
+        same.revision = revision;
+        same.open_bodies = open_bodies;
+        same.notes = notes;
+        same.parts = parts;
+        return same == *this;
+    }
 
     friend bool operator==(const Plan&, const Plan&) = default;
 };

@@ -189,7 +189,8 @@ public:
     void set_device_positions(BodyId body, const Vec3f* positions);
     /// The same for many bodies, whose positions follow each other.
     void set_device_positions(std::span<const BodyId> bodies, const Vec3f* positions);
-    /// The same for both ends of the step; a world with a sheet needs both.
+    /// The same for both ends of the step; a world with a sheet needs both. Where set_positions()
+    /// follows a step, the positions must still be there: the next step begins at them.
     void set_device_motion(BodyId body, const Vec3f* start, const Vec3f* positions);
     /// set_poses() with poses in device memory, seven numbers each. Every step reads them there,
     /// until others are set; they must not change while it does. A pose that set_pose() would
@@ -251,10 +252,10 @@ public:
     /// The same contacts, valid for as long as they are kept: later steps write elsewhere. Nothing
     /// is copied unless there are contacts of sheets, or steps run on a device.
     KeptContacts keep_contacts();
-    /// The same contacts in device memory, without waiting for them; valid until the next detect().
-    /// With several devices, those that one of them has found (Plan::parts). Throws InputError
-    /// unless the backend runs on the device, if there is no such part, or if bodies were added,
-    /// removed, moved or changed since.
+    /// The same contacts in device memory, valid until the next detect(). With a stream of the
+    /// caller's this waits for nothing, else until they are there. With several devices, those that
+    /// one of them has found (Plan::parts). Throws InputError unless the backend runs on the
+    /// device, if there is no such part, or if bodies were added, removed, moved or changed since.
     DeviceContacts device_contacts(std::uint32_t part = 0) const;
     /// The last step's stages, counts and status bits.
     const StepStats& stats() const;
