@@ -69,6 +69,7 @@ Array cuda_array_of(nb::handle given, const char* what) {
             (std::string(what) + ": __cuda_array_interface__ has a wrong '" + field + "'").c_str());
     };
     if (nb::len(data) != 2) throw wrong("data");
+    if (about.contains("mask") && !about["mask"].is_none()) throw wrong("mask");
     const auto bytes = static_cast<std::int64_t>(type.size() == 3 ? type[2] - '0' : 0);
     const bool is_float = type == "<f4" || type == "<f8";
     if (!is_float && type != "<u8")

@@ -151,15 +151,23 @@ nb::object array_from(std::vector<Number> numbers) {
     return nb::cast(nb::ndarray<nb::numpy, Number>(kept->data(), {kept->size()}, owner));
 }
 
-/// An array in device memory.
+/// Throws RuntimeError for contacts that a later step has replaced.
+const DeviceList& now(nb::handle_t<DeviceList> self) {
+    const auto& of = nb::cast<const DeviceList&>(self);
+    if (nb::cast<const PyWorld&>(of.world).steps != of.step)
+        throw std::runtime_error(
+            "these contacts are of an earlier step: device memory has those of the last one only");
+    return of;
+}
+
+/// An array in device memory, of rows if there are columns.
 template <class Number>
-nb::object on_device(nb::handle_t<DeviceList> self, const Number* first, std::size_t columns) {
-    const DeviceList& of = nb::cast<const DeviceList&>(self);
-    if (first == nullptr && of.list.room > 0) return nb::none();
-    const std::size_t shape[2] = {of.list.room, columns};
-    return nb::cast(nb::ndarray<nb::array_api, const Number>(first, columns > 0 ? 2 : 1, shape,
-                                                             self, nullptr, nb::dtype<Number>(),
-                                                             nb::device::cuda::value, of.device));
+nb::object on_device(nb::handle_t<DeviceList> self, const Number* first, std::size_t length,
+                     std::size_t columns = 0) {
+    const std::size_t shape[2] = {length, columns};
+    return nb::cast(nb::ndarray<nb::array_api, const Number>(
+        first, columns > 0 ? 2 : 1, shape, self, nullptr, nb::dtype<Number>(),
+        nb::device::cuda::value, now(self).device));
 }
 
 }  // namespace
@@ -328,20 +336,26 @@ void bind_contacts(nb::module_& module) {
             "There are never more contacts.")
         .def_prop_ro(
             "count",
+            [](nb::handle_t<DeviceList> self) { return on_device(self, now(self).list.count, 1); },
+            "How many there are, uint32 (1,).")
+        .def_prop_ro(
+            "world_begins",
             [](nb::handle_t<DeviceList> self) {
-                const auto& of = nb::cast<const DeviceList&>(self);
-                const std::size_t one[1] = {1};
-                return nb::cast(nb::ndarray<nb::array_api, const std::uint32_t>(
-                    of.list.count, 1, one, self, nullptr, nb::dtype<std::uint32_t>(),
-                    nb::device::cuda::value, of.device));
+                const DeviceList& of = now(self);
+                if (of.list.world_begins == nullptr) return nb::object(nb::none());
+                return on_device(self, of.list.world_begins, of.worlds + std::size_t{1});
             },
-            "How many there are, uint32 (1,).");
+            "Where the contacts of each world begin, and where those of the last one end, uint32 "
+            "(worlds + 1,); None without worlds.");
     const auto column_of = [&](const char* name, auto member, std::size_t columns,
                                const char* doc) {
         device.def_prop_ro(
             name,
             [member, columns](nb::handle_t<DeviceList> self) {
-                return on_device(self, nb::cast<const DeviceList&>(self).list.*member, columns);
+                const DeviceContactList& list = now(self).list;
+                const auto* const first = list.*member;
+                if (first == nullptr && list.room > 0) return nb::object(nb::none());
+                return on_device(self, first, list.room, columns);
             },
             doc);
     };

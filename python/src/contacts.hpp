@@ -33,7 +33,9 @@ private:
 struct DeviceList {
     DeviceContactList list;
     int device = 0;  ///< whose memory it is in
+    std::uint32_t worlds = 0;
     nb::object world;
+    std::uint64_t step = 0;  ///< of the world, after which the contacts are gone
 };
 
 void bind_contacts(nb::module_& module);

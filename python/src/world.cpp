@@ -283,16 +283,25 @@ void bind_steps(nb::class_<PyWorld>& c) {
         .def(
             "device_contacts",
             [](nb::handle_t<PyWorld> self, std::uint32_t part) {
-                const Use world(nb::cast<PyWorld&>(self));
+                PyWorld& of = nb::cast<PyWorld&>(self);
+                const Use world(of);
                 const DeviceContacts found = world->device_contacts(part);
-                return nb::make_tuple(DeviceList{found.solids, found.device, nb::borrow(self)},
-                                      DeviceList{found.sheets, found.device, nb::borrow(self)});
+                const auto listed = [&](const DeviceContactList& list) {
+                    return DeviceList{.list = list,
+                                      .device = found.device,
+                                      .worlds = world->plan().worlds,
+                                      .world = nb::borrow(self),
+                                      .step = of.steps};
+                };
+                return nb::make_tuple(listed(found.solids), listed(found.sheets));
             },
             nb::arg("part") = 0,
             nb::sig("def device_contacts(self, part: int = 0) -> tuple[DeviceContactList, "
                     "DeviceContactList]"),
-            "The last step's contacts in device memory, of solids and of sheets, without waiting; "
-            "of several devices, those that one has found.")
+            "The last step's contacts in device memory, of solids and of sheets; of several "
+            "devices, "
+            "those that one has found. Waits for nothing after set_stream(), else until they are "
+            "there.")
         .def_prop_ro(
             "stats", [](PyWorld& w) { return Use(w)->stats(); }, "Of the last step, a copy.")
         .def_prop_ro("plan", plan_now,

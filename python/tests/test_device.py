@@ -101,6 +101,21 @@ def test_contacts_on_the_device():
     world.set_stream(None)
 
 
+def test_contacts_on_the_device_without_a_stream():
+    torch = pytest.importorskip("torch")
+    world, bodies, places = tori("cuda")
+    world.set_positions(bodies, places)
+    for _ in range(5):
+        contacts = world.detect()
+        solids, _ = world.device_contacts()
+        assert int(torch.from_dlpack(solids.count)[0]) == len(contacts) > 100
+        assert solids.world_begins is None
+    world.set_positions(bodies, places + np.float32([0.1, 0, 0]))
+    world.detect()
+    with pytest.raises(RuntimeError, match="earlier step"):
+        solids.count  # noqa: B018
+
+
 def test_contacts_come_when_they_are_asked_for():
     world, bodies, places = tori("cuda")
     world.set_positions(bodies, places)
