@@ -176,7 +176,9 @@ std::span<const Contact> Coupling::contacts_of(BodyId a, BodyId b) {
 }
 
 ContactSide Coupling::side(const Binding& binding) {
-    return {.object = binding.object, .mesh = &world_.mesh(world_.mesh_of(binding.body))};
+    return {.object = binding.object,
+            .body = binding.body,
+            .mesh = &world_.mesh(world_.mesh_of(binding.body))};
 }
 
 std::uint32_t Coupling::write_soft(Binding& a, Binding& b, std::span<const Contact> contacts) {

@@ -185,7 +185,7 @@ FollowedObjects::Made FollowedObjects::make(btCollisionObject& object) {
     }
     if (!mesh) return made;
     const MeshInside inside = world.mesh(mesh).inside();
-    const bool inside_out = soft != nullptr && volume_of(world.mesh(mesh)) < 0;
+    const bool inside_out = soft != nullptr && inside.exists() && volume_of(world.mesh(mesh)) < 0;
     if (!inside.exists() || inside_out) {
         leave_to_bullet(object, inside_out ? "its faces face inward" : describe(inside));
         remove_unused(mesh);

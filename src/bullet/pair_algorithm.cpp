@@ -41,11 +41,21 @@ struct PairAlgorithm::Manifolds {
                                   ///< ended; a program that empties one tells that it has
     std::vector<WrittenPoint> points;  ///< theirs; a program may have removed some, or added others
     std::uint32_t written = 0;
+    BodyId of_a, of_b;  ///< whose contacts these are, in the manifolds' order
 
+    void release(btDispatcher& dispatcher);
     PointMap take_points();
     void put_points(btDispatcher& dispatcher, const ContactSide& a, const ContactSide& b,
                     const Points& added);
 };
+
+/// Bullet tells the program what has ended.
+void PairAlgorithm::Manifolds::release(btDispatcher& dispatcher) {
+    for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
+    manifolds.clear();
+    has_begun.clear();
+    points.clear();
+}
 
 /// Leaves the manifolds empty.
 PointMap PairAlgorithm::Manifolds::take_points() {
@@ -236,8 +246,7 @@ PairAlgorithm::PairAlgorithm(btDispatcher& dispatcher, std::uint32_t& written)
       manifolds_(std::make_unique<Manifolds>()) {}
 
 PairAlgorithm::~PairAlgorithm() {
-    for (btPersistentManifold* manifold : manifolds_->manifolds)
-        m_dispatcher->releaseManifold(manifold);
+    manifolds_->release(*m_dispatcher);
     set_written(0);
 }
 
@@ -250,6 +259,11 @@ void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
                                     std::span<const Contact> contacts, std::uint32_t most,
                                     std::span<const ImpactContact> impacts,
                                     const std::optional<Parting>& way_apart) {
+    // An object that is bound anew is another body, and may come after the other object now.
+    if (manifolds_->of_a != a.body || manifolds_->of_b != b.body)
+        manifolds_->release(*m_dispatcher);
+    manifolds_->of_a = a.body;
+    manifolds_->of_b = b.body;
     const btScalar threshold = breaking_threshold(*a.object, *b.object);
     PointMap last = manifolds_->take_points();
     Points points;

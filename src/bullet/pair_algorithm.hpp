@@ -8,6 +8,7 @@
 #include <span>
 
 #include "pierce/contact.hpp"
+#include "pierce/ids.hpp"
 #include "pierce/impact_contact.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/parting.hpp"
@@ -16,9 +17,10 @@ class btCollisionObject;
 
 namespace pierce::bullet {
 
-/// A bound object as a contact's side: what Bullet calls it, and its mesh.
+/// A bound object as a contact's side: what Bullet and Pierce call it, and its mesh.
 struct ContactSide {
     const btCollisionObject* object = nullptr;
+    BodyId body;
     const Mesh* mesh = nullptr;
 };
 
@@ -32,7 +34,8 @@ public:
     ~PairAlgorithm() override;
 
     /// Fills the manifolds anew with at most `most` of the contacts, which are all of this pair.
-    /// Points of a vertex that was in contact before keep their impulses. If contacts by separation
+    /// Points of a vertex that was in contact before keep their impulses, unless an object has been
+    /// bound anew since. If contacts by separation
     /// are deeper than Bullet's breaking threshold, points of the last step that still hold stay
     /// instead. What the pair meets in this step adds a point each, with a distance. A way apart
     /// acts at all points instead of what the contacts say.

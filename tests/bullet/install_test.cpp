@@ -846,6 +846,56 @@ TEST(InstallTest, AnotherShapeOfTheSameSizeInItsPlaceIsSeen) {
     EXPECT_EQ(scene.points(), 0) << "the diamond is not where the block's corner was";
 }
 
+/// How many points lie elsewhere in the frames of their manifold's bodies than in space.
+int misplaced_points(StockWorld& scene) {
+    int count = 0;
+    for (int m = 0; m < scene.dispatcher.getNumManifolds(); ++m) {
+        const btPersistentManifold& manifold = *scene.dispatcher.getManifoldByIndexInternal(m);
+        for (int i = 0; i < manifold.getNumContacts(); ++i) {
+            const btManifoldPoint& point = manifold.getContactPoint(i);
+            const auto is_off = [](const btCollisionObject& body, const btVector3& local,
+                                   const btVector3& in_space) {
+                return (body.getWorldTransform() * local - in_space).length() > btScalar(1e-4);
+            };
+            count += is_off(*manifold.getBody0(), point.m_localPointA, point.m_positionWorldOnA) ||
+                     is_off(*manifold.getBody1(), point.m_localPointB, point.m_positionWorldOnB);
+        }
+    }
+    return count;
+}
+
+// A body that is bound anew has another number, and the pair's manifolds name the bodies in the
+// order of their numbers.
+TEST(InstallTest, PointsAreWhereTheyBelongWhicheverObjectIsBoundAnew) {
+    test::Random random(1);
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    std::vector<std::unique_ptr<MeshShape>> shapes;
+    for (const double size : {0.5, 0.6, 0.7})
+        shapes.push_back(MeshShape::gimpact(scenes::box({-size, -0.4, -0.3}, {size, 0.4, 0.3})));
+    const auto any_shape = [&]() -> btCollisionShape& {
+        return *shapes[static_cast<std::size_t>(random.integer(0, 2))]->shape;
+    };
+    const auto any_place = [&] {
+        return at(btScalar(random.uniform(-1, 1)), btScalar(random.uniform(-1, 1)),
+                  btScalar(random.uniform(-1, 1)));
+    };
+    int points = 0;
+    for (int step = 0; step < 200; ++step) {
+        if (scene.rigid.size() < 10) scene.add(any_shape(), 1, any_place());
+        const auto which = static_cast<std::size_t>(
+            random.integer(0, static_cast<int>(scene.rigid.size()) - 1));
+        if (random.integer(0, 2) == 0)
+            scene.remove_rigid(which);
+        else
+            scene.rigid[which]->setCollisionShape(&any_shape());
+        scene.bullet.performDiscreteCollisionDetection();
+        points += scene.points();
+        EXPECT_EQ(misplaced_points(scene), 0) << step;
+    }
+    EXPECT_GT(points, 1000);
+}
+
 /// Where a ball comes to rest on a floor.
 double height_on(bool mirrored, bool reversed) {
     StockWorld scene(10);
