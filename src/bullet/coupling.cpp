@@ -257,13 +257,16 @@ void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) 
         algorithm.note_soft(write_soft(a, b, contacts));
         return;
     }
+    const std::span<const ImpactContact> impacts = impacts_of(a.body, b.body);
+    // So it is with most pairs whose boxes overlap.
+    if (contacts.empty() && impacts.empty() && algorithm.has_no_points()) return;
     const auto is_left_out = [&](const Contact& c) { return is_aside(c, a, b); };
     std::vector<Contact> others;
     const bool leaves_out = std::ranges::any_of(contacts, is_left_out);
     if (leaves_out) std::ranges::remove_copy_if(contacts, std::back_inserter(others), is_left_out);
-    algorithm.write_manifolds(
-        side(a), side(b), leaves_out ? std::span<const Contact>(others) : contacts, most_per_pair_,
-        impacts_of(a.body, b.body), way_apart(a, b, contacts));
+    algorithm.write_manifolds(side(a), side(b),
+                              leaves_out ? std::span<const Contact>(others) : contacts,
+                              most_per_pair_, impacts, way_apart(a, b, contacts));
 }
 
 void Coupling::write_self() {

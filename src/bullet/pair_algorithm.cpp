@@ -264,13 +264,15 @@ void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
         manifolds_->release(*m_dispatcher);
     manifolds_->of_a = a.body;
     manifolds_->of_b = b.body;
-    const btScalar threshold = breaking_threshold(*a.object, *b.object);
     PointMap last = manifolds_->take_points();
     Points points;
     // The way out of a whole body says nothing about linked bodies that overlap by little: it would
     // push one through the other.
-    if (!way_apart && leads_far(contacts, threshold))
-        points = take_holding(last, *a.object, *b.object, threshold);
+    if (!way_apart && !contacts.empty()) {
+        const btScalar threshold = breaking_threshold(*a.object, *b.object);
+        if (leads_far(contacts, threshold))
+            points = take_holding(last, *a.object, *b.object, threshold);
+    }
     if (points.empty()) points = make_points(a, b, contacts, most, way_apart, last);
     add_meetings(a, b, impacts, points);
     manifolds_->put_points(*m_dispatcher, a, b, points);
@@ -279,6 +281,8 @@ void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
             (*gContactDestroyedCallback)(point.m_userPersistentData);
     set_written(static_cast<std::uint32_t>(points.size()));
 }
+
+bool PairAlgorithm::has_no_points() const { return manifolds_->manifolds.empty(); }
 
 void PairAlgorithm::note_soft(std::uint32_t count) { set_written(count); }
 

@@ -43,6 +43,8 @@ public:
                          std::span<const Contact> contacts, std::uint32_t most,
                          std::span<const ImpactContact> impacts,
                          const std::optional<Parting>& way_apart);
+    /// True if the pair has no manifold.
+    bool has_no_points() const;
     /// Notes that so many contacts of the pair went to soft bodies, which need no manifold.
     void note_soft(std::uint32_t count);
 

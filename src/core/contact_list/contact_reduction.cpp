@@ -59,28 +59,36 @@ private:
     std::vector<std::uint32_t> preferred(std::vector<std::uint32_t> places,
                                          std::uint32_t most) const {
         std::ranges::stable_sort(places, {}, [&](std::uint32_t i) { return contact(i).distance; });
-        std::vector<double> gap(places.size(), std::numeric_limits<double>::infinity());
-        for (std::size_t done = 1; done < std::min<std::size_t>(most, places.size()); ++done) {
-            for (std::size_t i = done; i < places.size(); ++i)
-                gap[i] = std::min(gap[i], between(places[i], places[done - 1]));
-            const auto best = static_cast<std::size_t>(
-                std::max_element(gap.begin() + static_cast<std::ptrdiff_t>(done), gap.end()) -
-                gap.begin());
+        std::vector<Left> left;
+        left.reserve(places.size());
+        for (const std::uint32_t i : places)
+            left.push_back({i, place_of(contact(i)), contact(i).normal});
+        places.clear();
+        for (std::size_t taken = 0; !left.empty() && places.size() < most;) {
+            const Left last = left[taken];
+            places.push_back(last.contact);
             // The others keep their order.
-            std::rotate(places.begin() + static_cast<std::ptrdiff_t>(done),
-                        places.begin() + static_cast<std::ptrdiff_t>(best),
-                        places.begin() + static_cast<std::ptrdiff_t>(best) + 1);
-            std::rotate(gap.begin() + static_cast<std::ptrdiff_t>(done),
-                        gap.begin() + static_cast<std::ptrdiff_t>(best),
-                        gap.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+            left.erase(left.begin() + static_cast<std::ptrdiff_t>(taken));
+            taken = 0;
+            for (std::size_t i = 0; i < left.size(); ++i) {
+                left[i].gap = std::min(left[i].gap, between(left[i], last));
+                if (left[i].gap > left[taken].gap) taken = i;
+            }
         }
+        for (const Left& other : left) places.push_back(other.contact);
         return places;
     }
 
-    double between(std::uint32_t i, std::uint32_t j) const {
-        const Contact &c = contact(i), &d = contact(j);
-        return length_squared((1 / size_) * (place_of(c) - place_of(d))) +
-               length_squared(c.normal - d.normal);
+    /// A contact that was not taken yet, and how far it is from those that were.
+    struct Left {
+        std::uint32_t contact;
+        Vec3d place, normal;
+        double gap = std::numeric_limits<double>::infinity();
+    };
+
+    double between(const Left& a, const Left& b) const {
+        return length_squared((1 / size_) * (a.place - b.place)) +
+               length_squared(a.normal - b.normal);
     }
 
     Wrench wrench_of(std::uint32_t i) const {
@@ -182,8 +190,11 @@ std::vector<ReducedContact> reduce(std::span<const Contact> contacts, std::uint3
     std::vector<ReducedContact> result;
     for (std::size_t begin = 0, end = 0; begin < places.size(); begin = end) {
         while (end < places.size() && pair_of(places[end]) == pair_of(places[begin])) ++end;
-        PairReduction(contacts, std::span(places).subspan(begin, end - begin))
-            .reduce_to(most_per_pair, result);
+        const std::span of_pair = std::span(places).subspan(begin, end - begin);
+        if (of_pair.size() > most_per_pair)
+            PairReduction(contacts, of_pair).reduce_to(most_per_pair, result);
+        else
+            for (const std::uint32_t place : of_pair) result.push_back({place, 1.0});
     }
     std::ranges::sort(result, {}, &ReducedContact::contact);
     return result;
