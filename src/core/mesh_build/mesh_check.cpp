@@ -56,6 +56,17 @@ struct Part {
     std::vector<std::uint32_t> ids;
 };
 
+/// The box around what bodies have of the mesh; around all vertices if no triangle can be checked.
+Box box_of(const MeshData& mesh, const Part& part) {
+    Box box;
+    for (const Triangle& t : part.mesh.triangles)
+        for (std::uint32_t v : t.vertex) box.extend(to_double(mesh.positions[v]));
+    if (part.ids.empty())
+        for (Vec3f p : mesh.positions)
+            if (is_finite(p)) box.extend(to_double(p));
+    return box;
+}
+
 /// Reports vertices that are not finite, out of range, not there or not used, and keeps the
 /// triangles that can be checked.
 Part usable_part(const MeshData& mesh, Findings& findings) {
@@ -237,11 +248,9 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
     MeshReport report;
     report.vertices = static_cast<std::uint32_t>(mesh.positions.size());
     report.triangles = static_cast<std::uint32_t>(mesh.triangles.size());
-    for (Vec3f p : mesh.positions)
-        if (is_finite(p)) report.box.extend(to_double(p));
-
     Findings findings;
     const Part part = usable_part(mesh, findings);
+    report.box = box_of(mesh, part);
     if (is_too_small(report.box))
         for (std::uint32_t v = 0; v < mesh.positions.size(); ++v)
             findings.add(MeshDefect::out_of_range, {v});

@@ -41,7 +41,8 @@ constexpr Description descriptions[mesh_defect_count] = {
      "there and the mesh mostly "
      "counts as open"},
     {MeshDefect::opposite_triangle, "opposite triangles", MeshElement::triangle, true,
-     "the two cancel: a ray passes through them as if there were nothing"},
+     "the two bound nothing between them: what decides on the inside leaves one or both of them "
+     "out"},
     {MeshDefect::bowtie_vertex, "bowtie vertices", MeshElement::vertex, true,
      "surfaces meet in one vertex that sends one ray, along the mean of their normals or, where "
      "these cancel, in any direction; without re-projection it sends none there"},

@@ -45,7 +45,6 @@ class Charts {
     const charts = seriesOf(this.data.figures);
     if (!Object.keys(charts).length) this.place.textContent = "This page has no figures of frames.";
     for (const [chart, series] of Object.entries(charts)) this.#add(CHART_TITLES[chart] ?? chart, series);
-    this.show(this.frame ?? 0);
   }
 
   #add(title, series) {
@@ -79,8 +78,18 @@ class Charts {
         },
         plugins: { legend: { position: "bottom", labels: { color: ink, boxWidth: 14, boxHeight: 2, padding: 6, font: { size: 11 } } } },
       },
+      // A chart is laid out again when its place changes, as by a scrollbar that later charts bring.
+      plugins: [{ id: "cursor", afterLayout: (chart) => this.#put(cursor, chart) }],
     });
     this.charts.push({ chart, cursor });
+  }
+
+  /** Puts a chart's cursor at the frame. */
+  #put(cursor, chart) {
+    const { top, bottom } = chart.chartArea;
+    cursor.style.left = `${chart.scales.x.getPixelForValue(this.frame ?? 0)}px`;
+    cursor.style.top = `${top}px`;
+    cursor.style.height = `${bottom - top}px`;
   }
 
   /** Colours follow the theme. */
@@ -95,11 +104,6 @@ class Charts {
   /** Puts the cursors at a frame. */
   show(frame) {
     this.frame = frame;
-    for (const { chart, cursor } of this.charts) {
-      const { top, bottom } = chart.chartArea;
-      cursor.style.left = `${chart.scales.x.getPixelForValue(frame)}px`;
-      cursor.style.top = `${top}px`;
-      cursor.style.height = `${bottom - top}px`;
-    }
+    for (const { chart, cursor } of this.charts) this.#put(cursor, chart);
   }
 }

@@ -114,7 +114,7 @@ public:
             const SceneMesh& mesh = scene.meshes[body.mesh];
             const bool deforms = body.motion == Motion::deforming;
             if (deforms && method != bullet::Baseline::gimpact)
-                throw InputError("only rays and gimpact can follow deforming bodies");
+                throw InputError("its shapes cannot follow deforming bodies");
             MeshData data = mesh.data;
             if (deforms) data.positions = with_room(start_positions(body, mesh.data));
             shapes_.push_back(body.ground ? bullet::BaselineShape::ground(data)

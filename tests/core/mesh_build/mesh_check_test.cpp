@@ -239,6 +239,8 @@ TEST(MeshCheckTest, UnusedAndDuplicateVerticesDoNoHarm) {
                                              MeshFinding{duplicate_vertex, 1, {9}}));
     EXPECT_TRUE(report.sound());
     EXPECT_TRUE(report.closed);
+    mesh.positions.push_back({9, 9, 9});
+    EXPECT_EQ(check_mesh(mesh, everything).box.upper, (Vec3d{1, 1, 1})) << "no part of a body";
 }
 
 TEST(MeshCheckTest, CountsAreWholeAndPlacesFew) {

@@ -205,8 +205,12 @@ void cloth_accuracy_figure(const ClothReportOptions& options, Page& page) {
             "{} triangles, {} frames; edges through triangles, all frames: {}; the deepest through "
             "itself: {:.4g}.\n",
             triangle_count(recording), recording.frame_count, pierced, deepest);
-        page.line("{}", table_head);
         const bool meets_itself = results[0].steps > 0;
+        if (!meets_itself && results[0].others.meetings() == 0) {
+            page.line("Nothing meets in this time, so there is nothing to find.\n");
+            continue;
+        }
+        page.line("{}", table_head);
         for (const SheetComparison& c : results)
             if (meets_itself) row(page, c.method.name, c, SheetPairs::self);
         if (results[0].others.meetings() > 0)

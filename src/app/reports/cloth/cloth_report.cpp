@@ -16,15 +16,18 @@ namespace pierce::app {
 
 int report_cloth(const ClothReportOptions& options) {
     check_truth_program();
+    const auto of_scene = [](std::uint32_t nodes) {
+        return nodes > 0 ? nlohmann::json(nodes) : nlohmann::json("the scene's own");
+    };
     Page page(options.out, "Cloth: time and error, measured here",
               {{"seed", options.seed},
                {"threads for detection", options.threads},
                {"seconds", options.timing.seconds},
                {"seconds on the capsule", options.falling.seconds},
-               {"nodes", options.nodes},
+               {"nodes", of_scene(options.nodes)},
                {"sizes", options.sizes},
                {"seconds of sizes", options.size_seconds},
-               {"nodes of layers", options.layers_nodes}},
+               {"nodes of layers", of_scene(options.layers_nodes)}},
               options.html);
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t used = std::clock();

@@ -73,8 +73,8 @@ void cloth_variants_figure(const ClothReportOptions& options, Page& page) {
     page.line(
         "The paper does not say how long a step is, how large capsule and cloth are, how thick "
         "cloth is, how contacts push it, nor of what its depth is measured. Each row changes one "
-        "of these. *Reported* is the deepest contact that the algorithm itself finds: what a "
-        "program knows that has no other measure. {:g} s each.\n",
+        "of these. *Reported* is the deepest contact that the algorithm itself finds, which is all "
+        "that a program without an exact measure would see. {:g} s each.\n",
         options.falling.seconds);
     page.line(
         "| reading | deepest, exact | over the paper's {:g} | steps with any | deepest, as "

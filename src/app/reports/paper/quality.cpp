@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
+#include <ranges>
 
 #include "app/measure/in_parallel.hpp"
 #include "app/measure/truth_program.hpp"
@@ -66,10 +67,13 @@ Sight truth_sight(std::string name, Stroke stroke, const std::vector<TrueFrame>&
     return sight;
 }
 
+/// Means, without the first frame, in which meshes are prepared.
 StepTimes times_of(const FrameLog& log, const std::vector<TrueFrame>& truth) {
     StepTimes sum;
-    const auto frames = static_cast<double>(std::max<std::size_t>(truth.size(), 1));
-    for (const TrueFrame& t : truth) {
+    const auto timed = [](const TrueFrame& t) { return t.frame > 0; };
+    const auto frames = static_cast<double>(
+        std::max<std::ptrdiff_t>(std::ranges::count_if(truth, timed), 1));
+    for (const TrueFrame& t : truth | std::views::filter(timed)) {
         const FrameResult& f = log.frames()[t.frame];
         sum.update += f.update_ms / frames;
         sum.narrow += f.narrow_ms / frames;
