@@ -188,7 +188,9 @@ def test_filters_search_and_charts(browser, pile):
     assert "There is no" in browser.text("message")
     browser.run("player.showTab('charts')")
     assert browser.run("return player.charts.charts.length") == 3
-    time.sleep(0.5)  # later charts bring a scrollbar, and the first ones are laid out once more
+    # As a scrollbar does, which later charts may bring.
+    browser.run("document.getElementById('charts').style.paddingRight = '60px'")
+    time.sleep(0.5)
     left, place = browser.run(
         """const { chart, cursor } = player.charts.charts[0];
         return [parseFloat(cursor.style.left), chart.scales.x.getPixelForValue(player.frame)];"""
