@@ -434,6 +434,42 @@ TEST_P(SheetsTest, WhatStartsTangledHasADirectionOrSaysSo) {
     EXPECT_EQ(tangled, world_.stats().tangled);
 }
 
+// A pin through the middle of a triangle has no vertex and no edge of the sheet inside, and no ray
+// or chord finds it.
+TEST_P(SheetsTest, ASolidThatIsThroughTheMiddleOfATriangleIsTangled) {
+    const MeshData pin = scenes::box({0.6, 0.2, -1}, {0.7, 0.3, 1}), sheet = flat(1, 1, {0, 0, 0});
+    for (const Motion motion : {Motion::fixed, Motion::rigid, Motion::deforming})
+        for (const bool pin_comes_first : {true, false}) {
+            World world(GetParam().make());
+            const auto add_pin = [&] {
+                const MeshId mesh = world.add_mesh("pin", pin);
+                return motion == Motion::fixed   ? world.add_fixed_body(mesh)
+                       : motion == Motion::rigid ? world.add_rigid_body(mesh)
+                                                 : world.add_deforming_body(mesh);
+            };
+            if (pin_comes_first) add_pin();
+            add_sheet(world, sheet, 0.01);
+            if (!pin_comes_first) add_pin();
+            for (int step = 0; step < 3; ++step) {
+                world.detect();
+                EXPECT_EQ(world.stats().tangled, 8u) << "long edges, and diagonals of faces";
+                EXPECT_EQ(world.contacts().size(), 8u);
+                for (const Contact& c : world.contacts()) {
+                    EXPECT_TRUE(c.is_edge());
+                    EXPECT_EQ(c.source == Side::a, pin_comes_first);
+                    EXPECT_NEAR(c.point_a.z, 0, 1e-6);
+                }
+            }
+        }
+    // Where the sheet's border is inside the solid, edges of the sheet are found instead.
+    World world(GetParam().make());
+    world.add_fixed_body(world.add_mesh("wide", scenes::box({0.6, -1, -1}, {0.7, 2, 1})));
+    add_sheet(world, sheet, 0.01);
+    world.detect();
+    EXPECT_EQ(world.stats().tangled, 0u);
+    EXPECT_FALSE(world.contacts().empty());
+}
+
 TEST_P(SheetsTest, WhatIsRefused) {
     const BodyId rigid = world_.add_rigid_body(
         world_.add_mesh("box", scenes::box({0, 0, 0}, {1, 1, 1})));

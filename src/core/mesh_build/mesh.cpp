@@ -1,9 +1,11 @@
 #include "pierce/mesh.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <thread>
 #include <tuple>
 #include <utility>
 
@@ -75,29 +77,43 @@ struct Mesh::Parts {
     std::unique_ptr<const MeshChange> change;  ///< from that mesh, until all is known that is taken
                                                ///< over
     std::mutex lock;                           ///< of what is made later
+    std::atomic<std::thread::id> telling;      ///< the thread that calls `options.progress` now
     MeshNeeds made;
 
-    Parts(std::string its_name, MeshData data, MeshOptions its_options, const Parts* before);
+    Parts(std::string its_name, MeshData data, MeshOptions its_options, Parts* before);
 
     void make(const MeshNeeds& needs);
 
+    /// Throws InputError for a progress callback that asks for what is being made.
+    void check_not_telling() const {
+        if (telling == std::this_thread::get_id())
+            throw InputError("mesh '" + name +
+                             "' is being measured: its progress callback cannot use it");
+    }
+
 private:
-    Workers make_workers() const { return Workers(options.threads, options.progress); }
+    Workers make_workers() {
+        if (!options.progress) return Workers(options.threads);
+        return Workers(options.threads, [this](std::string_view what, double share) {
+            telling = std::this_thread::get_id();
+            options.progress(what, share);
+            telling = std::thread::id();
+        });
+    }
     void see_arrays() {
         for_each_array([](auto& seen, const auto& owned) { seen = view_of(owned); }, view, arrays);
     }
     HalfEdges choose_triangles(MeshData& data, Workers& workers);
-    void divide_into_patches(Workers& workers, const Parts* before);
+    void divide_into_patches(Workers& workers, Parts* before);
     void measure_boxes();
     void find_edges();
-    void measure_patches(const Parts* before);
+    void measure_patches(Parts* before);
     void make_clearance();
     void make_slabs(Workers& workers);
     void make_rings(Workers& workers);
 };
 
-Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
-                   const Parts* before)
+Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options, Parts* before)
     : name(std::move(its_name)), options(std::move(its_options)) {
     check_mesh_data(name, data);
     if (options.inside > Inside::none)
@@ -120,20 +136,25 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
     arrays.positions = std::move(data.positions);
     arrays.triangles = std::move(data.triangles);
     see_arrays();
-    if (before != nullptr) change = std::make_unique<const MeshChange>(before->view, view);
+    if (before != nullptr) {
+        before->check_not_telling();
+        const std::lock_guard guard(before->lock);
+        change = std::make_unique<const MeshChange>(before->view, view);
+    }
     if (change != nullptr && change->is_another_mesh()) change.reset();
     if (change == nullptr) before = nullptr;
     is_changed = change != nullptr;
     if (is_changed) cache.reset();
     made.slabs = is_changed;  // it goes without
     const std::vector<std::uint32_t> partner = before != nullptr
-                                                   ? change->partners(view, before->view.leaves)
+                                                   ? change->partners(view,
+                                                                      before->first_view.leaves)
                                                    : std::vector<std::uint32_t>();
     workers.side_by_side(
         "edges",
         [&] {
             arrays.edges = edges_of(view, sides, workers,
-                                    before != nullptr ? &before->view.edges : nullptr);
+                                    before != nullptr ? &before->first_view.edges : nullptr);
         },
         [&] {
             std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
@@ -170,10 +191,10 @@ HalfEdges Mesh::Parts::choose_triangles(MeshData& data, Workers& workers) {
     return sides;
 }
 
-void Mesh::Parts::divide_into_patches(Workers& workers, const Parts* before) {
+void Mesh::Parts::divide_into_patches(Workers& workers, Parts* before) {
     std::vector<std::uint32_t> start_of_vertices, start_of_triangles;
     if (before != nullptr) {
-        std::vector<std::uint32_t> vertices_now(before->view.positions.size, is_gone);
+        std::vector<std::uint32_t> vertices_now(before->first_view.positions.size, is_gone);
         for (const std::uint32_t v : before->arrays.patch_vertices)
             if (v < view.positions.size) vertices_now[v] = v;
         start_of_vertices = kept_order(before->arrays.patch_vertices, vertices_now,
@@ -210,7 +231,7 @@ void Mesh::Parts::find_edges() {
     arrays.features = features_of(view);
 }
 
-void Mesh::Parts::measure_patches(const Parts* before) {
+void Mesh::Parts::measure_patches(Parts* before) {
     arrays.normals.reserve(arrays.positions.size());
     for (std::uint32_t v = 0; v < arrays.positions.size(); ++v)
         arrays.normals.push_back(before != nullptr && change->keeps_normal(v)
@@ -287,11 +308,9 @@ void Mesh::Parts::make_slabs(Workers& workers) {
 Mesh::Mesh(std::string name, MeshData data, MeshOptions options)
     : parts_(
           std::make_unique<Parts>(std::move(name), std::move(data), std::move(options), nullptr)) {}
-Mesh::Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options) {
-    const std::lock_guard guard(before.parts_->lock);
-    parts_ = std::make_unique<Parts>(std::move(name), std::move(data), std::move(options),
-                                     before.parts_.get());
-}
+Mesh::Mesh(std::string name, MeshData data, const Mesh& before, MeshOptions options)
+    : parts_(std::make_unique<Parts>(std::move(name), std::move(data), std::move(options),
+                                     before.parts_.get())) {}
 Mesh::Mesh(Mesh&&) noexcept = default;
 Mesh& Mesh::operator=(Mesh&&) noexcept = default;
 Mesh::~Mesh() = default;
@@ -316,6 +335,7 @@ MeshView Mesh::view() const { return view(MeshNeeds::all()); }
 
 MeshView Mesh::view(const MeshNeeds& needs) const {
     if (needs == MeshNeeds{}) return parts_->first_view;
+    parts_->check_not_telling();
     const std::lock_guard guard(parts_->lock);
     parts_->make(needs);
     // Steps must not depend on what others have needed.

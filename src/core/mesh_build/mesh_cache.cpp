@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <fstream>
-#include <iterator>
 #include <span>
 #include <string>
 #include <system_error>
@@ -69,12 +68,41 @@ std::size_t cells_of(const ClearanceGridLayout& layout) {
     return cells;
 }
 
-/// Empty for what is no file.
-std::string content_of(const std::filesystem::path& file) {
+/// The grids of a mesh.
+struct Grids {
+    ClearanceGridLayout clearance, slabs;
+
+    explicit Grids(const MeshView& mesh) {
+        const std::span positions(mesh.positions.data, mesh.positions.size);
+        const std::span triangles(mesh.triangles.data, mesh.triangles.size);
+        clearance = clearance_layout(positions, triangles);
+        slabs = clearance_layout(positions, triangles, slab_resolution(triangles.size()));
+    }
+};
+
+constexpr std::size_t header_bytes = 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
+
+/// [byte] No file of the mesh is longer.
+std::size_t most_bytes(const MeshView& mesh, const Grids& grids) {
+    constexpr std::size_t numbers = 128;  // the key, what there is, and lengths
+    const auto per = [](const auto& list) { return sizeof(list.data[0]); };
+    const std::size_t slab_cells = cells_of(grids.slabs);
+    return header_bytes + numbers + cells_of(grids.clearance) * per(mesh.clearance_steps) +
+           mesh.triangles.size * per(mesh.rings) +
+           mesh.positions.size * (per(mesh.star_clearance) + per(mesh.own_exit)) +
+           slab_cells * per(mesh.slab_cells) + (slab_cells + 1) * per(mesh.slabs);
+}
+
+/// Empty for what is no file, or is longer.
+std::string content_of(const std::filesystem::path& file, std::size_t most) {
     std::error_code failed;
     if (!std::filesystem::is_regular_file(file, failed)) return {};
+    const std::uintmax_t size = std::filesystem::file_size(file, failed);
+    if (failed || size > most) return {};
+    std::string bytes(static_cast<std::size_t>(size), '\0');
     std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
+    if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return {};
+    return bytes;
 }
 
 }  // namespace
@@ -97,33 +125,29 @@ std::filesystem::path MeshCache::file_of(const MeshView& mesh) const {
 
 MeshNeeds MeshCache::load(const MeshView& mesh, MeshArrays<MeshVector>& arrays,
                           MeshShape& shape) const {
-    const std::string bytes = content_of(file_of(mesh));
-    constexpr std::size_t header = 2 * sizeof(std::uint64_t) + sizeof(std::uint32_t);
-    if (bytes.size() < header) return {};
+    const Grids grids(mesh);
+    const std::string bytes = content_of(file_of(mesh), most_bytes(mesh, grids));
+    if (bytes.size() < header_bytes) return {};
     try {
         ArchiveReader archive(bytes);
         std::uint64_t its_mark = 0, sum = 0;
         std::uint32_t its_version = 0;
         transfer_all(archive, its_mark, its_version, sum);
-        if (its_mark != mark || its_version != version || sum != checksum(bytes.substr(header)))
+        if (its_mark != mark || its_version != version ||
+            sum != checksum(bytes.substr(header_bytes)))
             return {};
         std::uint64_t key[2] = {};
         MeshNeeds has;
         bool simple = false;
         transfer_all(archive, key, has, simple);
         if (!std::ranges::equal(key, key_of(mesh))) return {};
-        const std::span positions(mesh.positions.data, mesh.positions.size);
-        const std::span triangles(mesh.triangles.data, mesh.triangles.size);
         MeshArrays<MeshVector> found;
-        const ClearanceGridLayout clearance_at = clearance_layout(positions, triangles),
-                                  slabs_at = clearance_layout(positions, triangles,
-                                                              slab_resolution(triangles.size()));
-        if (has.clearance) read(archive, found.clearance_steps, cells_of(clearance_at));
-        if (has.rings) read(archive, found.rings, triangles.size());
-        if (has.stars) read(archive, found.star_clearance, positions.size());
-        if (has.own_exits) read(archive, found.own_exit, positions.size());
+        if (has.clearance) read(archive, found.clearance_steps, cells_of(grids.clearance));
+        if (has.rings) read(archive, found.rings, mesh.triangles.size);
+        if (has.stars) read(archive, found.star_clearance, mesh.positions.size);
+        if (has.own_exits) read(archive, found.own_exit, mesh.positions.size);
         if (has.slabs) {
-            read(archive, found.slab_cells, cells_of(slabs_at));
+            read(archive, found.slab_cells, cells_of(grids.slabs));
             std::uint64_t slabs = 0;
             transfer(archive, slabs);
             read(archive, found.slabs, slabs);
@@ -135,7 +159,7 @@ MeshNeeds MeshCache::load(const MeshView& mesh, MeshArrays<MeshVector>& arrays,
         if (archive.left() != 0) return {};
         if (has.clearance) {
             arrays.clearance_steps = std::move(found.clearance_steps);
-            shape.clearance_at = clearance_at;
+            shape.clearance_at = grids.clearance;
         }
         if (has.rings) {
             arrays.rings = std::move(found.rings);
@@ -146,7 +170,7 @@ MeshNeeds MeshCache::load(const MeshView& mesh, MeshArrays<MeshVector>& arrays,
         if (has.slabs) {
             arrays.slab_cells = std::move(found.slab_cells);
             arrays.slabs = std::move(found.slabs);
-            shape.slabs_at = slabs_at;
+            shape.slabs_at = grids.slabs;
         }
         return has;
     } catch (const InputError&) {

@@ -9,15 +9,21 @@
 #include "pierce/ids.hpp"
 
 namespace pierce {
+namespace {
 
-FixedMesh fix_mesh(const MeshData& mesh) {
-    check_mesh_data("to fix", mesh);
+ClosedSurface surface_of(const MeshData& mesh) {
     const HalfEdges sides(mesh.triangles, mesh.positions.size());
     Workers workers(0);
-    ClosedSurface surface = surface_with_inside(mesh, sides, traits_of(mesh, sides, {}),
-                                                Inside::automatic, workers);
-    if (!surface.inside.exists()) surface = mended_surface(mesh);
-    if (surface.triangles.empty()) surface.triangles = mesh.triangles;
+    return surface_with_inside(mesh, sides, traits_of(mesh, sides, {}), Inside::automatic, workers);
+}
+
+/// The mesh with a surface's triangles, and without the vertices that it does not need.
+FixedMesh with_surface(const MeshData& mesh, ClosedSurface surface) {
+    if (surface.triangles.empty()) {  // the mesh stays as it is
+        surface.triangles = mesh.triangles;
+        surface.inside = {.rule = surface.inside.rule,
+                          .covered_triangles = surface.inside.covered_triangles};
+    }
     FixedMesh fixed{{{}, std::move(surface.triangles)}, {}, surface.inside};
     std::vector<std::uint32_t> place(mesh.positions.size(), no_vertex);
     for (Triangle& t : fixed.mesh.triangles)
@@ -30,13 +36,32 @@ FixedMesh fix_mesh(const MeshData& mesh) {
     }
     for (Triangle& t : fixed.mesh.triangles)
         for (std::uint32_t& v : t.vertex) v = place[v];
-    if (!fixed.done.exists()) {
-        // What was mended may have an inside now.
-        const HalfEdges now(fixed.mesh.triangles, fixed.mesh.positions.size());
-        fixed.done.rule = surface_with_inside(fixed.mesh, now, traits_of(fixed.mesh, now, {}),
-                                              Inside::automatic, workers)
-                              .inside.rule;
-    }
+    return fixed;
+}
+
+/// What was done first and then.
+MeshInside both(const MeshInside& first, const MeshInside& then) {
+    return {.rule = then.rule,
+            .covered_triangles = then.covered_triangles,
+            .joined_vertices = first.joined_vertices + then.joined_vertices,
+            .turned_triangles = first.turned_triangles + then.turned_triangles,
+            .left_out_triangles = first.left_out_triangles + then.left_out_triangles,
+            .holes = first.holes + then.holes,
+            .cap_triangles = first.cap_triangles + then.cap_triangles,
+            .cap_share = first.cap_share + then.cap_share};
+}
+
+}  // namespace
+
+FixedMesh fix_mesh(const MeshData& mesh) {
+    check_mesh_data("to fix", mesh);
+    ClosedSurface surface = surface_of(mesh);
+    if (surface.inside.exists()) return with_surface(mesh, std::move(surface));
+    const FixedMesh mended = with_surface(mesh, mended_surface(mesh));
+    // What was mended may have an inside now, and its last holes are closed then.
+    FixedMesh fixed = with_surface(mended.mesh, surface_of(mended.mesh));
+    for (std::uint32_t& v : fixed.vertices) v = mended.vertices[v];
+    fixed.done = both(mended.done, fixed.done);
     return fixed;
 }
 

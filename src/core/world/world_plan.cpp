@@ -334,6 +334,18 @@ void World::State::make_view(std::uint32_t i) {
 }
 
 void World::State::make_plan() {
+    if (planning) throw InputError("a world is used by the progress callback of one of its meshes");
+    planning = true;
+    try {
+        make_views();
+    } catch (...) {
+        planning = false;
+        throw;
+    }
+    planning = false;
+}
+
+void World::State::make_views() {
     const std::optional<std::vector<std::uint32_t>> some = std::exchange(reshaped, std::nullopt);
     if (some && adapt_plan(*some)) {
         planned = true;

@@ -127,7 +127,7 @@ struct World::State {
 
     // What a step reads. It is made anew when bodies are added, removed or change kind, and adapted
     // when some have only got other meshes.
-    bool planned = false;
+    bool planned = false, planning = false;
     std::optional<std::vector<std::uint32_t>> reshaped;  ///< what is not planned: these bodies have
                                                          ///< other meshes, and nothing else
     Plan plan;
@@ -213,8 +213,9 @@ struct World::State {
     /// Throws InputError for a body that cannot have been saved.
     void check_restored(const BodyEntry& body) const;
     BodyKinds kinds_of(const BodyEntry& body) const;
-    /// Makes what does not change between steps.
+    /// Makes what does not change between steps. Throws InputError if it is doing so.
     void make_plan();
+    void make_views();
     /// The same where a plan is there and the bodies have only got other meshes; false if that
     /// changes what steps do.
     bool adapt_plan(std::span<const std::uint32_t> some);

@@ -30,7 +30,7 @@ public:
             for (std::uint32_t left = index(); left > 0; --left) corners.push_back(index());
             add_polygon(corners, mesh_);
         }
-        text_.skip_line();  // colours
+        if (by_lines_) text_.skip_line();  // colours
         if (!text_.next_word().empty()) text_.refuse("is more than the header promises");
         return std::move(mesh_);
     }

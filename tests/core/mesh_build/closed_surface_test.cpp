@@ -511,6 +511,42 @@ TEST(FixMeshTest, SaysWhetherTheResultHasAnInside) {
     }
 }
 
+// Where holes are closed so that a mesh gets an inside, the last ones are closed, too.
+TEST(FixMeshTest, WhatHasAnInsideIsClosed) {
+    test::Random random(64);
+    SCOPED_TRACE("PIERCE_TEST_SEED=" + std::to_string(random.seed()));
+    int closed = 0;
+    for (int i = 0; i < 600; ++i) {
+        MeshData mesh = scenes::sphere(1, 1);
+        const double share = random.uniform(0.05, 0.4);
+        std::erase_if(mesh.triangles,
+                      [&](const Triangle&) { return random.uniform(0, 1) < share; });
+        for (Triangle& t : mesh.triangles)
+            if (random.uniform(0, 1) < 0.1) std::swap(t.vertex[0], t.vertex[1]);
+        const FixedMesh fixed = fix_mesh(mesh);
+        const HalfEdges sides(fixed.mesh.triangles, fixed.mesh.positions.size());
+        const bool is_closed = traits_of(fixed.mesh, sides, {}).closed();
+        ASSERT_EQ(fixed.done.exists(), is_closed) << i;
+        closed += is_closed;
+        ASSERT_EQ(fixed.mesh.triangles.size(),
+                  mesh.triangles.size() - fixed.done.left_out_triangles + fixed.done.cap_triangles)
+            << i;
+        for (std::size_t v = 0; v < fixed.vertices.size(); ++v)
+            ASSERT_EQ(fixed.mesh.positions[v], mesh.positions[fixed.vertices[v]]) << i;
+    }
+    EXPECT_GT(closed, 200);
+    EXPECT_LT(closed, 600);
+}
+
+TEST(FixMeshTest, SaysNothingWasDoneWhereNothingWouldBeLeft) {
+    const MeshData flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{{0, 1, 1}}, {{2, 2, 0}}}};
+    const FixedMesh fixed = fix_mesh(flat);
+    EXPECT_TRUE(same_triangles(fixed.mesh, flat));
+    EXPECT_FALSE(fixed.done.exists());
+    EXPECT_EQ(fixed.done.left_out_triangles, 0u);
+    EXPECT_EQ(fixed.done.joined_vertices, 0u);
+}
+
 TEST(FixMeshTest, LeavesOpenMeshesOpenAndClosesTheirSmallHoles) {
     MeshData sheet = scenes::grid(1, 1, 20, 20);
     const std::size_t all = sheet.triangles.size();

@@ -5,9 +5,12 @@
 
 #include <cstddef>
 #include <iterator>
+#include <string_view>
 #include <vector>
 
+#include "core/mesh/mesh_view.hpp"
 #include "pierce/contact_hash.hpp"
+#include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
@@ -83,6 +86,35 @@ TEST(PlanTest, APlanIsTheSameHoweverBodiesCameToTheirMeshes) {
             EXPECT_EQ(contact_hash(world.contacts()), contact_hash(fresh.contacts())) << round;
         }
     }
+}
+
+// A callback that waited for the mesh would wait for itself.
+TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
+    const MeshData small = scenes::sphere(1, 1);
+    World world(bvh_backend());
+    MeshId mesh;
+    int refused = 0;
+    const auto expect_refused = [&](const auto& call) {
+        try {
+            call();
+            ADD_FAILURE() << "it was not refused";
+        } catch (const InputError&) {
+            ++refused;
+        }
+    };
+    bool is_added = false;
+    mesh = world.add_mesh("large", scenes::sphere(1, 7),
+                          {.threads = 1, .progress = [&](std::string_view, double share) {
+                               if (!is_added || share == 1) return;
+                               expect_refused([&] { world.detect(); });
+                               expect_refused([&] { world.mesh(mesh).view(); });
+                               expect_refused([&] { Mesh("other", small, world.mesh(mesh)); });
+                           }});
+    is_added = true;
+    for (const double x : {0.0, 1.5}) world.add_rigid_body(mesh, {{x, 0, 0}, {}});
+    world.detect();
+    EXPECT_GT(refused, 0);
+    EXPECT_FALSE(world.contacts().empty());
 }
 
 }  // namespace

@@ -139,6 +139,10 @@ TEST(OffReaderTest, SaysWhatCannotBeRead) {
     expect_refused(read_off, replaced(off, "4 4 6", "4 18446744073709551615 6"), "cut short");
     expect_refused(read_off, replaced(off, "4 4 6", "4 3 6"), "line 10 is more");
     expect_refused(read_off, "OFF", "line 1");
+    const std::string
+        in_a_line = "OFF\n4 3 6\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3\n";
+    expect_refused(read_off, in_a_line, "more than the header promises");
+    expect_tetrahedron(read_off, replaced(in_a_line, "4 3 6", "4 4 6"));
 }
 
 std::string text_stl(const MeshData& mesh) {

@@ -55,7 +55,8 @@ struct MeshOptions {
     std::uint32_t threads = 0;  ///< 0: one per processor; the mesh is the same for every number
     /// What is being made, and the share of it that is made, from 0 to 1. It is called now and
     /// then once making has taken 0.2 s, by one thread at a time, and at last with 1. It must not
-    /// throw.
+    /// throw, nor use the mesh or a world that has it: that throws InputError where it would wait
+    /// for itself.
     std::function<void(std::string_view what, double share)> progress = {};
 };
 

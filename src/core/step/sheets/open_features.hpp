@@ -2,6 +2,7 @@
 
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/sheets/piercing_edge.hpp"
 #include "core/step/sheets/quick_prism.hpp"
 #include "core/step/sheets/quick_triangle.hpp"
 #include "core/step/sheets/sheet_features.hpp"
@@ -9,18 +10,6 @@
 
 /// Sheets, second part, continued: the features of triangles that may meet during the step.
 namespace pierce::stages {
-
-/// True if a segment runs through a triangle, from one side to the other. Strictly: touching is not
-/// piercing.
-PIERCE_HD inline bool pierces(Vec3d p, Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
-    const Vec3d n = cross(b - a, c - a);
-    const double from = dot(n, p - a), to = dot(n, q - a);
-    if (!((from > 0 && to < 0) || (from < 0 && to > 0))) return false;
-    const Vec3d d = q - p;
-    const double u = dot(d, cross(a - p, b - p)), v = dot(d, cross(b - p, c - p)),
-                 w = dot(d, cross(c - p, a - p));
-    return (u > 0 && v > 0 && w > 0) || (u < 0 && v < 0 && w < 0);
-}
 
 /// Two triangles, ready to have their features looked at.
 struct QuickPair {

@@ -7,6 +7,7 @@
 #include "core/device/warp.hpp"
 #include "core/geometry/continuous.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/sheets/piercing_edge.hpp"
 #include "core/step/sheets/sheet_memory.hpp"
 #include "core/trace/closest_search.hpp"
 #include "pierce/contact.hpp"
@@ -340,13 +341,15 @@ private:
     /// separates the two (Volino and Magnenat-Thalmann 2006).
     PIERCE_HD Judgement piercing(const FeaturePair& f, const SheetPair& pair,
                                  SheetMeeting& m) const {
-        if (pair.is_solid[0] || pair.is_solid[1]) return {};
+        const std::uint32_t side_of_edge = side_of(f.kind);
+        if (pair.is_solid[1 - side_of_edge]) return {};
         const SheetBody of_edge = holder(f), of_face = target(f);
         const View<const Triangle> triangles = of_face.mesh.triangles;
-        const FeatureKind vertices = side_of(f.kind) == 0 || pair.is_self()
-                                         ? FeatureKind::vertex_of_a
-                                         : FeatureKind::vertex_of_b;
         const Edge& e = of_edge.mesh.edges[f.item];
+        // A border that is inside the solid is found by rays and chords.
+        if (pair.is_solid[side_of_edge] && crosses_border(of_edge, e, of_face, f.other)) return {};
+        const FeatureKind vertices = side_of_edge == 0 || pair.is_self() ? FeatureKind::vertex_of_a
+                                                                         : FeatureKind::vertex_of_b;
         for (std::uint32_t v : e.vertex)
             if (pair.was_through && memory.knows(f.pair, vertices, v, f.other, triangles))
                 return {};
@@ -366,18 +369,7 @@ private:
         m.weight[1] = dot(across, cross(at, c)) / area;
         m.weight[0] = 1 - m.weight[1] - dot(across, cross(b, at)) / area;
         const Vec3d along = normalized(q - p);
-        Vec3d gradient;
-        for (std::uint32_t side : e.triangle) {
-            if (side == no_triangle) continue;
-            const MovingTriangle wing(of_edge, side, a);
-            const Vec3d wing_normal = wing.end_normal();
-            Vec3d contour = normalized(cross(normal, wing_normal));
-            // The contour is to point into the wing, away from the edge.
-            Vec3d middle;
-            for (const MovingPoint& corner : wing.corner) middle += (1.0 / 3) * corner.end;
-            if (dot(contour, middle - at - dot(middle - at, along) * along) < 0) contour = -contour;
-            gradient += contour - (2 * dot(along, contour) / dot(along, normal)) * normal;
-        }
+        const Vec3d gradient = contour_gradient(of_edge, e, a, at, along, normal);
         const double size = length(gradient);
         const bool unknown = !(size > constants::vanishing_normal) ||
                              !(size < 1 / constants::vanishing_normal);

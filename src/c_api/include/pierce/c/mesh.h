@@ -15,7 +15,8 @@ typedef enum pierce_inside {
 } pierce_inside;
 
 /** Is told what is being made, and the share of it that is made, from 0 to 1; by one thread at a
- *  time, which need not be the caller's. It must not throw or jump. */
+ *  time, which need not be the caller's. It must not throw or jump, nor use the mesh or a world
+ *  that has it. */
 typedef void (*pierce_progress)(const char* what, double share, void* user);
 
 /** How a mesh is made. All zero but struct_size: the default. */
