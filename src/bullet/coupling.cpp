@@ -258,7 +258,7 @@ void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) 
         return;
     }
     const std::span<const ImpactContact> impacts = impacts_of(a.body, b.body);
-    // So it is with most pairs whose boxes overlap.
+    // Most pairs whose boxes overlap have nothing to write, and had nothing.
     if (contacts.empty() && impacts.empty() && algorithm.has_no_points()) return;
     const auto is_left_out = [&](const Contact& c) { return is_aside(c, a, b); };
     std::vector<Contact> others;

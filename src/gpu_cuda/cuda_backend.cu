@@ -35,6 +35,12 @@ namespace {
 
 using cuda::check;
 
+bool has_pools(int device) {
+    int pools = 0;
+    cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device);
+    return pools != 0;
+}
+
 std::string device_name(int device) {
     cudaDeviceProp properties;
     check(cudaGetDeviceProperties(&properties, device), "the device's properties");
@@ -307,16 +313,6 @@ private:
     mutable std::vector<Contact> contacts_;
     mutable std::vector<Pair> pairs_;
 };
-
-}  // namespace
-
-namespace {
-
-bool has_pools(int device) {
-    int pools = 0;
-    cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device);
-    return pools != 0;
-}
 
 }  // namespace
 

@@ -102,7 +102,7 @@ private:
 
     std::map<std::uint32_t, FarBody> bodies_;  ///< by body
     bool differs_ = false;                     ///< from those listed
-    bool only_ghosts_ = true;                   ///< all of those listed
+    bool only_ghosts_ = true;                  ///< all of those listed
     StagingBuffer<FarBody> staged_;
     DeviceBuffer<FarBody> listed_;
     cudaStream_t stream_ = nullptr;

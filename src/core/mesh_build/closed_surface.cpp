@@ -21,9 +21,9 @@ namespace pierce {
 namespace {
 
 /// Leaves out patches that separate nothing.
-OrientedTriangles without_walls(std::span<const Vec3f> positions,
-                                const OrientedTriangles& surface) {
-    const std::vector<bool> separates = separating_patches(positions, surface);
+OrientedTriangles without_walls(std::span<const Vec3f> positions, const OrientedTriangles& surface,
+                                Workers& workers) {
+    const std::vector<bool> separates = separating_patches(positions, surface, workers);
     OrientedTriangles rest;
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
         if (!separates[surface.patch[t]]) continue;
@@ -35,16 +35,16 @@ OrientedTriangles without_walls(std::span<const Vec3f> positions,
 }
 
 /// Turns sides and parts that face inward.
-void turn_outward(std::span<const Vec3f> positions, OrientedTriangles& surface) {
+void turn_outward(std::span<const Vec3f> positions, OrientedTriangles& surface, Workers& workers) {
     const ConnectedParts parts = connected_parts(surface.triangles, positions.size());
-    const std::vector<Facing> as_given = facing_of(positions, surface.triangles, parts);
-    const std::vector<bool> was_turned = turn_seen_sides_outward(positions, surface);
+    const std::vector<Facing> as_given = facing_of(positions, surface.triangles, parts, workers);
+    const std::vector<bool> was_turned = turn_seen_sides_outward(positions, surface, workers);
     std::vector<bool> stays(parts.count, true);  // since it was given
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t)
         if (was_turned[surface.patch[t]]) stays[parts.part[t]] = false;
     const std::vector<Facing> now = std::ranges::count(was_turned, true) == 0
                                         ? as_given
-                                        : facing_of(positions, surface.triangles, parts);
+                                        : facing_of(positions, surface.triangles, parts, workers);
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
         const std::uint32_t part = parts.part[t];
         if (now[part] != Facing::outward || (stays[part] && as_given[part] == Facing::in_inward))
@@ -101,7 +101,7 @@ void measure(const MeshData& mesh, Draft& draft) {
     draft.caps = caps_of(mesh.positions, draft.surface.triangles, sides > 0 ? edges / sides : 0);
 }
 
-Draft draft_of(const MeshData& mesh) {
+Draft draft_of(const MeshData& mesh, Workers& workers) {
     Draft draft;
     const std::vector<std::uint32_t> first = first_at_position(mesh.positions);
     std::vector<Triangle> joined = mesh.triangles;
@@ -109,7 +109,7 @@ Draft draft_of(const MeshData& mesh) {
     for (Triangle& t : joined)
         for (std::uint32_t& v : t.vertex) v = first[v];
     draft.surface = oriented_triangles(mesh.positions, joined);
-    turn_outward(mesh.positions, draft.surface);
+    turn_outward(mesh.positions, draft.surface, workers);
     measure(mesh, draft);
     return draft;
 }
@@ -141,13 +141,13 @@ ClosedSurface finished(Draft draft, const MeshData& mesh) {
 }
 
 /// True if the draft and its caps make a solid by a rule. Leaves out what lies within.
-bool becomes_solid(const MeshData& mesh, Inside rule, Draft& draft) {
+bool becomes_solid(const MeshData& mesh, Inside rule, Draft& draft, Workers& workers) {
     const auto has_small_caps = [&] {
         return sums_of(draft.caps).area < constants::largest_caps * draft.area;
     };
     if (!has_small_caps()) return false;
     if (draft.surface.patches > 1) {
-        draft.surface = without_walls(mesh.positions, draft.surface);
+        draft.surface = without_walls(mesh.positions, draft.surface, workers);
         measure(mesh, draft);
     }
     return has_small_caps() &&
@@ -157,9 +157,9 @@ bool becomes_solid(const MeshData& mesh, Inside rule, Draft& draft) {
 
 }  // namespace
 
-ClosedSurface closed_surface(const MeshData& mesh, Inside rule) {
-    Draft draft = draft_of(mesh);
-    if (!becomes_solid(mesh, rule, draft)) {
+ClosedSurface closed_surface(const MeshData& mesh, Inside rule, Workers& workers) {
+    Draft draft = draft_of(mesh, workers);
+    if (!becomes_solid(mesh, rule, draft, workers)) {
         ClosedSurface none;
         none.inside = inside_of(draft, mesh);
         return none;
@@ -173,7 +173,7 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
                                   const MeshTraits& traits, Inside rule, Workers& workers) {
     ClosedSurface surface;
     if (rule == Inside::winding || (rule == Inside::automatic && !traits.closed()))
-        surface = closed_surface(mesh, rule);
+        surface = closed_surface(mesh, rule, workers);
     else if (rule != Inside::none && traits.closed())
         surface.inside.rule = Inside::closed;
     if (!surface.inside.exists() || rule == Inside::closed) return surface;
@@ -187,8 +187,8 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
     return surface;
 }
 
-ClosedSurface mended_surface(const MeshData& mesh) {
-    Draft draft = draft_of(mesh);
+ClosedSurface mended_surface(const MeshData& mesh, Workers& workers) {
+    Draft draft = draft_of(mesh, workers);
     std::erase_if(draft.caps, [&](const Cap& cap) {
         return !cap.is_gap && cap.area > constants::small_cap * draft.area;
     });

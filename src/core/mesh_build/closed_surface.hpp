@@ -25,7 +25,7 @@ struct ClosedSurface {
 /// closes holes. With `rule` automatic, only meshes that are nearly closed get an inside, by
 /// constants::caps_of_area and those that follow it; otherwise every mesh whose caps are smaller
 /// than constants::largest_caps of the rest. If it gets none, there are no triangles.
-ClosedSurface closed_surface(const MeshData& mesh, Inside rule);
+ClosedSurface closed_surface(const MeshData& mesh, Inside rule, Workers& workers);
 
 /// The surface of a mesh by a rule, and what is inside it. `sides`: of its triangles. Where the
 /// rule in effect is not Inside::winding, the surface is the mesh as it was given, and is not
@@ -35,6 +35,6 @@ ClosedSurface surface_with_inside(const MeshData& mesh, const HalfEdges& sides,
 
 /// The same as closed_surface() for a mesh that stays open: nothing is left out but doubles, and
 /// only holes with small caps are closed.
-ClosedSurface mended_surface(const MeshData& mesh);
+ClosedSurface mended_surface(const MeshData& mesh, Workers& workers);
 
 }  // namespace pierce

@@ -30,7 +30,7 @@ double relative_volume(std::span<const Vec3f> positions, std::span<const Triangl
 }  // namespace
 
 std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
-                              const ConnectedParts& parts) {
+                              const ConnectedParts& parts, Workers& workers) {
     std::vector<Facing> result(parts.count, Facing::outward);
     const TriangleGroups groups(parts.part, parts.count);
     if (parts.count == 0) return result;
@@ -40,9 +40,9 @@ std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const 
         return result;
     }
     const WindingTree winding(positions, triangles);
-    for (std::uint32_t part = 0; part < parts.count; ++part) {
+    const auto facing = [&](std::uint32_t part) {
         const double volume = relative_volume(positions, triangles, groups.members(part));
-        if (!(std::fabs(volume) > constants::flat_part)) continue;
+        if (!(std::fabs(volume) > constants::flat_part)) return Facing::outward;
         double all = 0, within = 0, within_inward = 0;
         groups.for_each_sample(part, constants::wall_samples, [&](std::uint32_t t, std::uint32_t) {
             const double area = area_of(positions, triangles[t]);
@@ -54,11 +54,15 @@ std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const 
                 if (others < -0.5) within_inward += area;
             }
         });
-        if (volume < 0 && !(within > constants::wall_share * all))
-            result[part] = Facing::inward;
-        else if (volume > 0 && within_inward > constants::wall_share * all)
-            result[part] = Facing::in_inward;
-    }
+        if (volume < 0 && !(within > constants::wall_share * all)) return Facing::inward;
+        if (volume > 0 && within_inward > constants::wall_share * all) return Facing::in_inward;
+        return Facing::outward;
+    };
+    workers.share_out("facing", parts.count, TriangleGroups::at_once,
+                      [&](std::uint32_t begin, std::uint32_t end) {
+                          for (std::uint32_t part = begin; part < end; ++part)
+                              result[part] = facing(part);
+                      });
     return result;
 }
 

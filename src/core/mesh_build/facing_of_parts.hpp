@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh_build/connected_parts.hpp"
 #include "pierce/mesh.hpp"
 
@@ -20,6 +21,6 @@ enum class Facing : std::uint8_t {
 
 /// The facing of each connected part.
 std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
-                              const ConnectedParts& parts);
+                              const ConnectedParts& parts, Workers& workers);
 
 }  // namespace pierce

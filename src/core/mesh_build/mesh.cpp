@@ -96,7 +96,12 @@ private:
         if (!options.progress) return Workers(options.threads);
         return Workers(options.threads, [this](std::string_view what, double share) {
             telling = std::this_thread::get_id();
-            options.progress(what, share);
+            try {
+                options.progress(what, share);
+            } catch (...) {
+                telling = std::thread::id();
+                throw;
+            }
             telling = std::thread::id();
         });
     }

@@ -217,11 +217,11 @@ void check_vertices(const MeshData& mesh, bool closed, Connections& connections,
 }
 
 /// Notes closed components that face inward. Returns how many components there are.
-std::uint32_t check_components(const Part& part, const Connections& connections,
+std::uint32_t check_components(const Part& part, const Connections& connections, Workers& workers,
                                Findings& findings) {
     const MeshData& mesh = part.mesh;
     const ConnectedParts components = connected_parts(mesh.triangles, mesh.positions.size());
-    std::vector<Facing> facing = facing_of(mesh.positions, mesh.triangles, components);
+    std::vector<Facing> facing = facing_of(mesh.positions, mesh.triangles, components, workers);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
         if (connections.on_open_edge[t]) facing[components.part[t]] = Facing::outward;
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -258,16 +258,16 @@ MeshReport check_mesh(const MeshData& mesh, MeshCheckOptions options) {
     check_triangles(part, findings);
     const HalfEdges sides(part.mesh.triangles, part.mesh.positions.size());
     Connections connections = check_edges(part.mesh, sides, findings);
+    Workers workers(0);
     if (!part.ids.empty()) {
         report.traits = traits_of(part.mesh, sides, report.box.center());
         report.closed = report.traits.closed();
-        Workers workers(0);
         report.inside = surface_with_inside(part.mesh, sides, report.traits, options.inside,
                                             workers)
                             .inside;
     }
     check_vertices(part.mesh, report.closed, connections, findings);
-    report.components = check_components(part, connections, findings);
+    report.components = check_components(part, connections, workers, findings);
     if (options.self_intersections)
         for (const auto& [t, other] : self_intersections(part.mesh))
             findings.add(MeshDefect::self_intersection, {part.ids[t], part.ids[other]});

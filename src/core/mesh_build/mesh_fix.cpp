@@ -11,9 +11,8 @@
 namespace pierce {
 namespace {
 
-ClosedSurface surface_of(const MeshData& mesh) {
+ClosedSurface surface_of(const MeshData& mesh, Workers& workers) {
     const HalfEdges sides(mesh.triangles, mesh.positions.size());
-    Workers workers(0);
     return surface_with_inside(mesh, sides, traits_of(mesh, sides, {}), Inside::automatic, workers);
 }
 
@@ -55,11 +54,12 @@ MeshInside both(const MeshInside& first, const MeshInside& then) {
 
 FixedMesh fix_mesh(const MeshData& mesh) {
     check_mesh_data("to fix", mesh);
-    ClosedSurface surface = surface_of(mesh);
+    Workers workers(0);
+    ClosedSurface surface = surface_of(mesh, workers);
     if (surface.inside.exists()) return with_surface(mesh, std::move(surface));
-    const FixedMesh mended = with_surface(mesh, mended_surface(mesh));
+    const FixedMesh mended = with_surface(mesh, mended_surface(mesh, workers));
     // What was mended may have an inside now, and its last holes are closed then.
-    FixedMesh fixed = with_surface(mended.mesh, surface_of(mended.mesh));
+    FixedMesh fixed = with_surface(mended.mesh, surface_of(mended.mesh, workers));
     for (std::uint32_t& v : fixed.vertices) v = mended.vertices[v];
     fixed.done = both(mended.done, fixed.done);
     return fixed;

@@ -22,7 +22,7 @@ constexpr double least_seen = 0.05;
 }  // namespace
 
 std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
-                                          OrientedTriangles& surface) {
+                                          OrientedTriangles& surface, Workers& workers) {
     std::vector<bool> turned(surface.patches, false);
     if (surface.patches < 2) return turned;
     const std::vector<bool> is_open = surface.open_patches(positions.size());
@@ -31,8 +31,7 @@ std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
     const std::uint32_t samples = std::min(constants::wall_samples, most_looks / open);
     const Sight sight(positions, surface.triangles);
     const TriangleGroups patches(surface.patch, surface.patches);
-    for (std::uint32_t p = 0; p < surface.patches; ++p) {
-        if (!is_open[p]) continue;
+    const auto shows_its_back = [&](std::uint32_t p) {
         double all = 0, front = 0, back = 0;
         patches.for_each_sample(p, samples, [&](std::uint32_t t, std::uint32_t) {
             const Sight::Lines lines = sight.from(t);
@@ -41,7 +40,16 @@ std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
             front += area * lines.front;
             back += area * lines.back;
         });
-        turned[p] = back > front + least_seen * all;
+        return back > front + least_seen * all;
+    };
+    std::vector<std::uint8_t> shows(surface.patches, 0);
+    workers.share_out("sides", surface.patches, TriangleGroups::at_once,
+                      [&](std::uint32_t begin, std::uint32_t end) {
+                          for (std::uint32_t p = begin; p < end; ++p)
+                              shows[p] = is_open[p] && shows_its_back(p);
+                      });
+    for (std::uint32_t p = 0; p < surface.patches; ++p) {
+        turned[p] = shows[p] != 0;
         if (turned[p])
             for (std::uint32_t t : patches.members(p)) surface.turn(t);
     }

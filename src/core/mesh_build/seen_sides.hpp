@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "pierce/mesh.hpp"
 
@@ -13,6 +14,6 @@ namespace pierce {
 /// some of its edges lack a triangle of its own, or have one too many. Returns which patches were
 /// turned.
 std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
-                                          OrientedTriangles& surface);
+                                          OrientedTriangles& surface, Workers& workers);
 
 }  // namespace pierce

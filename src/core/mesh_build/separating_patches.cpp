@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "core/mesh_build/sight.hpp"
@@ -16,9 +17,10 @@ namespace {
 /// Judges patches by the winding number of some of them.
 class PatchJudge {
 public:
-    PatchJudge(std::span<const Vec3f> positions, const OrientedTriangles& surface)
+    PatchJudge(std::span<const Vec3f> positions, const OrientedTriangles& surface, Workers& workers)
         : positions_(positions),
           surface_(surface),
+          workers_(workers),
           patches_(surface.patch, surface.patches),
           is_open_(surface.open_patches(positions.size())) {}
 
@@ -32,12 +34,7 @@ public:
             triangles.push_back(surface_.triangles[t]);
         }
         const WindingTree winding(positions_, triangles);
-        std::vector<bool> result;
-        for (std::uint32_t p = 0; p < surface_.patches; ++p) {
-            if (!is_open_[p]) {
-                result.push_back(true);
-                continue;
-            }
+        return for_each_open_patch([&](std::uint32_t p) {
             std::vector<Triangle> own;
             if (!some[p])
                 for (std::uint32_t t : patches_.members(p)) own.push_back(surface_.triangles[t]);
@@ -53,28 +50,37 @@ public:
                     all += area;
                     if (std::fabs(around - 0.5) < constants::surface_winding) separates += area;
                 });
-            result.push_back(separates > (1 - constants::wall_share) * all);
-        }
-        return result;
+            return separates > (1 - constants::wall_share) * all;
+        });
     }
 
     std::vector<bool> seen() const {
         const Sight sight(positions_, surface_.triangles);
-        std::vector<bool> result(surface_.patches, false);
-        for (std::uint32_t p = 0; p < surface_.patches; ++p)
-            if (!is_open_[p])
-                result[p] = true;
-            else
-                patches_.for_each_sample(p, constants::wall_samples,
-                                         [&](std::uint32_t t, std::uint32_t) {
-                                             result[p] = result[p] || sight.from(t).any();
-                                         });
-        return result;
+        return for_each_open_patch([&](std::uint32_t p) {
+            bool is_seen = false;
+            patches_.for_each_sample(
+                p, constants::wall_samples,
+                [&](std::uint32_t t, std::uint32_t) { is_seen = is_seen || sight.from(t).any(); });
+            return is_seen;
+        });
     }
 
 private:
+    /// What judge(patch) says of open patches; true for others.
+    template <class Judge>
+    std::vector<bool> for_each_open_patch(const Judge& judge) const {
+        std::vector<std::uint8_t> result(surface_.patches, 1);
+        workers_.share_out("walls", surface_.patches, TriangleGroups::at_once,
+                           [&](std::uint32_t begin, std::uint32_t end) {
+                               for (std::uint32_t p = begin; p < end; ++p)
+                                   if (is_open_[p]) result[p] = judge(p);
+                           });
+        return {result.begin(), result.end()};
+    }
+
     std::span<const Vec3f> positions_;
     const OrientedTriangles& surface_;
+    Workers& workers_;
     TriangleGroups patches_;
     std::vector<bool> is_open_;  ///< per patch
 };
@@ -82,8 +88,8 @@ private:
 }  // namespace
 
 std::vector<bool> separating_patches(std::span<const Vec3f> positions,
-                                     const OrientedTriangles& surface) {
-    const PatchJudge judge(positions, surface);
+                                     const OrientedTriangles& surface, Workers& workers) {
+    const PatchJudge judge(positions, surface, workers);
     std::vector<bool> now = judge.separating(std::vector<bool>(surface.patches, true));
     if (std::ranges::count(now, false) == 0) return now;
     now = judge.seen();

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh_build/oriented_triangles.hpp"
 #include "pierce/mesh.hpp"
 
@@ -14,6 +15,6 @@ namespace pierce {
 /// number on both sides of others, so where there may be some, those are judged first that can be
 /// seen from outside.
 std::vector<bool> separating_patches(std::span<const Vec3f> positions,
-                                     const OrientedTriangles& surface);
+                                     const OrientedTriangles& surface, Workers& workers);
 
 }  // namespace pierce

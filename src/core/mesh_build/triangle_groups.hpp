@@ -41,6 +41,8 @@ inline std::array<Vec3d, 4> places_of(std::span<const Vec3f> positions, const Tr
 /// Triangles by the number of their group: parts or patches of a surface.
 class TriangleGroups {
 public:
+    static constexpr std::uint32_t at_once = 4;  ///< groups that a thread judges
+
     TriangleGroups(std::span<const std::uint32_t> group_of, std::uint32_t groups)
         : begin_(groups + 1, 0), members_(group_of.size()) {
         for (std::uint32_t g : group_of) ++begin_[g + 1];

@@ -36,8 +36,7 @@ void require_address(const void* address, const char* what) {
 template <class State, class PoseAt>
 void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt& pose_at) {
     state.check_have_poses(bodies);
-    if (!state.planned) state.make_plan();
-    if (state.plan.sheets)
+    if (state.planned && state.plan.sheets)
         throw InputError("a world with a sheet cannot have poses in device memory");
     for (std::size_t k = 0; k < bodies.size(); ++k) {
         BodyEntry& entry = state.bodies.get(bodies[k], "body");
@@ -61,7 +60,7 @@ bool BodyEntry::is_placed() const {
     return motion == Motion::deforming ? is_usable(positions) : is_usable(pose);
 }
 
-void World::State::bring_places(std::span<const std::uint32_t> some) {
+void World::State::bring_places(std::span<const std::uint32_t> some, bool with_starts) {
     std::vector<std::uint32_t> there, as_listed;
     std::vector<BodyView> places;
     for (const std::uint32_t b : some) {
@@ -70,7 +69,7 @@ void World::State::bring_places(std::span<const std::uint32_t> some) {
         BodyView& place = places.emplace_back();
         place.positions = view_of(body.positions);
         place.device_positions = body.device_positions;
-        place.device_start = body.device_start;
+        place.device_start = with_starts ? body.device_start : nullptr;
         place.device_pose = body.device_pose;
         as_listed.push_back(static_cast<std::uint32_t>(there.size()));
         there.push_back(b);

@@ -98,8 +98,9 @@ BodyId World::add_deforming_body(MeshId mesh, std::span<const Vec3f> positions) 
 }
 
 void World::remove_body(BodyId body) {
-    state_->bodies.remove(body, "body");
+    state_->bodies.get(body, "body");
     state_->change();
+    state_->bodies.remove(body, "body");
 }
 
 MeshId World::mesh_of(BodyId body) const { return state_->bodies.get(body, "body").mesh; }

@@ -46,47 +46,6 @@ void World::State::list_nodes() {
     level_begin[BoxLevels::most] = static_cast<std::uint32_t>(node_items.size());
 }
 
-namespace {
-
-std::string why_open(const Mesh& mesh) {
-    if (mesh.traits().closed()) return "closed, but without an inside";
-    return "open (" + std::to_string(mesh.traits().inconsistent_edges) +
-           " edges without a partner of opposite direction; " + pierce::describe(mesh.inside()) +
-           ")";
-}
-
-}  // namespace
-
-void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
-    plan.fixed_bodies += body.motion == Motion::fixed;
-    plan.rigid_bodies += body.motion == Motion::rigid;
-    plan.deforming_bodies += body.motion == Motion::deforming;
-    plan.open_bodies += !mesh.inside().exists();
-    const auto note = [&](const std::string& text) {
-        const std::string line = "mesh '" + mesh.name() + "': " + text;
-        if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
-    };
-    const MeshTraits& traits = mesh.traits();
-    if (body.collision.sheet)
-        note(
-            "sheet: contacts of its surface over the motion of a step, whatever is inside or "
-            "outside");
-    else if (!mesh.inside().exists())
-        note(why_open(mesh) +
-             ": nothing penetrates it; its own rays are limited in length and rules R2 and R3 do "
-             "not apply");
-    else if (traits.volume < 0)
-        note(
-            "inside out (negative volume): its normals point inward, so rays start in the wrong "
-            "direction");
-    if (!body.collision.sheet &&
-        (mesh.inside().rule == Inside::winding || mesh.inside().covered_triangles > 0))
-        note(pierce::describe(mesh.inside()));
-    if (traits.degenerate_triangles > 0)
-        note(std::to_string(traits.degenerate_triangles) +
-             " triangles have no area and are never hit");
-}
-
 void World::State::check_collision(Motion motion, const Mesh& mesh, const Collision& collision,
                                    const std::string& name) const {
     if (collision.self > SelfCollision::published)
@@ -110,56 +69,10 @@ void World::State::check_collision(Motion motion, const Mesh& mesh, const Collis
 }
 
 void World::State::change_mesh(BodyId body) {
+    check_not_planning();
     if (planned) reshaped.emplace();
     if (reshaped) reshaped->push_back(body.index);
     planned = stepped = still = false;
-}
-
-void World::State::note_change(BodyId body) {
-    changed.push_back(body.index);
-    stepped = false;
-}
-
-BodyEntry& World::State::begin_motion(BodyId id) {
-    BodyEntry& body = bodies.get(id, "body");
-    if (!body.moved) {
-        body.start.resize(body.positions.size());  // without memory, nothing has changed yet
-        note_change(id);
-        // Where the last step left a body in device memory, the caller has it as long as no other
-        // place is set.
-        const bool was_on_device = body.last_positions != nullptr,
-                   is_there = plan.sheets && body.last_positions == body.device_positions;
-        if (was_on_device && is_there) bring_places({&id.index, 1});
-        body.moved = true;
-        body.start_pose = body.pose;
-        body.start.swap(body.positions);
-        if (!body.usable || (was_on_device && !is_there)) body.forget_start();
-    }
-    stepped = false;
-    return body;
-}
-
-std::size_t World::State::moved_bodies() const {
-    return static_cast<std::size_t>(std::ranges::count_if(changed, [&](std::uint32_t i) {
-        const BodyEntry& body = bodies.slots()[i].thing;
-        return body.moved || body.is_on_device();
-    }));
-}
-
-void World::State::check_stepped(const char* who) const {
-    if (!stepped)
-        throw InputError(std::string(who) +
-                         " needs a detect() after bodies were added, removed, moved or changed");
-}
-
-void World::State::end_motion() {
-    for (const std::uint32_t i : refreshed) {
-        BodyEntry& body = bodies.slots()[i].thing;
-        body.moved = false;
-        body.last_positions = body.device_positions;
-    }
-    changed_last.swap(changed);
-    changed.clear();
 }
 
 namespace {
@@ -297,7 +210,7 @@ void World::State::make_view(std::uint32_t i) {
     view.active = false;
     if (!slots[i].used) return;
     BodyEntry& body = slots[i].thing;
-    MeshEntry& entry = meshes.get(body.mesh, "mesh");
+    const MeshEntry entry = meshes.get(body.mesh, "mesh");  // a callback may add meshes
     ids[i] = {i, slots[i].generation};
     view.mesh = entry.mesh->view(needs_of(plan, body.motion));
     view.mesh_key = entry.key;
@@ -333,8 +246,12 @@ void World::State::make_view(std::uint32_t i) {
     }
 }
 
-void World::State::make_plan() {
+void World::State::check_not_planning() const {
     if (planning) throw InputError("a world is used by the progress callback of one of its meshes");
+}
+
+void World::State::make_plan() {
+    check_not_planning();
     planning = true;
     try {
         make_views();
@@ -378,6 +295,7 @@ bool World::State::adapt_plan(std::span<const std::uint32_t> some) {
     plan.worlds = before.worlds;
     plan.excluded_pairs = before.excluded_pairs;
     finish_plan();
+    // Steps that are alike need the same of every mesh, so the views of all other bodies hold.
     if (!before.steps_like(plan)) return false;
     bool same_sizes = true;
     for (const std::uint32_t i : some) {

@@ -175,8 +175,11 @@ struct World::State {
         return planned && still && changed.empty() && !forgets_sides &&
                may_rest(plan, asked_filter());
     }
+    /// Throws InputError while a plan is made, which reads bodies.
+    void check_not_planning() const;
     /// To be called before bodies are added, removed or changed.
     void change() {
+        check_not_planning();
         planned = stepped = still = false;
         reshaped.reset();
     }
@@ -191,8 +194,8 @@ struct World::State {
     /// The numbers of all bodies.
     std::vector<std::uint32_t> used_bodies() const;
     /// Brings the places of bodies, by number, into their entries where they are in device memory,
-    /// which stays where steps read them.
-    void bring_places(std::span<const std::uint32_t> some);
+    /// which stays where steps read them; without starts, only where steps end.
+    void bring_places(std::span<const std::uint32_t> some, bool with_starts = true);
     /// The body, with its place.
     const BodyEntry& placed_body(BodyId body);
     /// Throws InputError for a body that deforms.
@@ -234,6 +237,8 @@ struct World::State {
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.
     BodyEntry& begin_motion(BodyId body);
+    /// Brings the place where the last step left a body into its entry; false if it is not known.
+    bool bring_last_place(std::uint32_t index);
     /// Gives a fixed or rigid body a new pose.
     BodyEntry& place(BodyId body, const Pose& pose);
     /// To be called whenever a body has got another place, or takes part or not.

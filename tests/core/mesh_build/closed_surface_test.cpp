@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/mesh/half_edges.hpp"
 #include "core/mesh_build/caps.hpp"
 #include "core/mesh_build/mesh_topology.hpp"
@@ -35,7 +36,8 @@ double mean_edge(const MeshData& data) { return traits_of(data).mean_edge_length
 
 /// The surface of a mesh as a mesh, and what was done.
 std::pair<MeshData, MeshInside> solid(const MeshData& mesh, Inside rule = Inside::automatic) {
-    ClosedSurface surface = closed_surface(mesh, rule);
+    Workers workers(0);
+    ClosedSurface surface = closed_surface(mesh, rule, workers);
     EXPECT_EQ(surface.triangles.size(), surface.given.size());
     return {{mesh.positions, std::move(surface.triangles)}, surface.inside};
 }

@@ -205,10 +205,39 @@ TEST(HostPlacesSheetTest, AMotionBeginsWhereTheBodyIsPutIfItsLastPlaceIsUnknown)
     s.detect("put there again");
 }
 
+// Nobody reads the start once the step is over, nor the end where set_motion() follows.
+TEST(HostPlacesSheetTest, WhatIsNeededNoMoreMayBeFreed) {
+    Sheet s;
+    s.step(3, 2);
+    s.start = {};  // its memory is given back
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, s.at(0.5f));
+    s.detect("the start is gone");
+    s.step(0.5f, 0.25f);
+    s.start = s.end = {};
+    for (World* w : {&s.there, &s.here}) w->set_motion(s.sheet, s.at(0.25f), s.at(-0.25f));
+    s.detect("both are gone");
+    EXPECT_FALSE(s.there.contacts().empty());
+}
+
+TEST(HostPlacesSheetTest, ARigidBodyThatComesBackBeginsWhereItIsPut) {
+    World world{std::make_unique<test::DeviceBackend>()};
+    const MeshId mesh = world.add_mesh("box", scenes::box({-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}));
+    const BodyId rigid = world.add_rigid_body(mesh, {{0, 0, 5}, {}});
+    const std::vector<double> pose{0, 0, -5, 0, 0, 0, 1};
+    world.set_device_poses({&rigid, 1}, pose.data());
+    world.detect();
+    const BodyId sheet = world.add_deforming_body(world.add_mesh("plane", Sheet().plane));
+    world.set_collision(sheet, {.sheet = true});
+    world.set_pose(rigid, {{0, 0, -4}, {}});
+    world.detect();
+    EXPECT_TRUE(world.contacts().empty()) << "it has not been above the sheet";
+}
+
 TEST(HostPlacesSheetTest, PosesInDeviceMemoryAreRefusedAtOnce) {
     Sheet s;
     const BodyId rigid = s.there.add_rigid_body(s.there.mesh_of(s.box));
     const std::vector<double> pose{0, 0, 9, 0, 0, 0, 1};
+    s.there.detect();
     EXPECT_THROW(s.there.set_device_poses({&rigid, 1}, pose.data()), InputError);
     EXPECT_NO_THROW(s.there.detect());
 }

@@ -93,6 +93,7 @@ TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
     const MeshData small = scenes::sphere(1, 1);
     World world(bvh_backend());
     MeshId mesh;
+    BodyId body;
     int refused = 0;
     const auto expect_refused = [&](const auto& call) {
         try {
@@ -107,11 +108,14 @@ TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
                           {.threads = 1, .progress = [&](std::string_view, double share) {
                                if (!is_added || share == 1) return;
                                expect_refused([&] { world.detect(); });
+                               expect_refused([&] { world.add_rigid_body(mesh); });
+                               expect_refused([&] { world.remove_body(body); });
+                               world.remove_mesh(world.add_mesh("small", small));
                                expect_refused([&] { world.mesh(mesh).view(); });
                                expect_refused([&] { Mesh("other", small, world.mesh(mesh)); });
                            }});
     is_added = true;
-    for (const double x : {0.0, 1.5}) world.add_rigid_body(mesh, {{x, 0, 0}, {}});
+    for (const double x : {0.0, 1.5}) body = world.add_rigid_body(mesh, {{x, 0, 0}, {}});
     world.detect();
     EXPECT_GT(refused, 0);
     EXPECT_FALSE(world.contacts().empty());

@@ -195,7 +195,8 @@ public:
     /// set_poses() with poses in device memory, seven numbers each. Every step reads them there,
     /// until others are set; they must not change while it does. A pose that set_pose() would
     /// exclude leaves the body out of the step; StepStats does not count it. Throws InputError
-    /// unless the backend runs on the device, for a body that deforms, or if some body is a sheet.
+    /// unless the backend runs on the device, for a body that deforms, or if some body is a sheet;
+    /// where bodies have changed since the last step, detect() says that.
     void set_device_poses(std::span<const BodyId> bodies, const float* poses);
     void set_device_poses(std::span<const BodyId> bodies, const double* poses);
     /// Names the CUDA stream, a cudaStream_t, on which the caller writes places and reads contacts

@@ -45,9 +45,9 @@ typedef struct pierce_device_contact_list {
 } pierce_device_contact_list;
 
 /** The last step's contacts in device memory, of solids and of sheets; the struct_size of both must
- *  be set. Waits for nothing if pierce_set_stream() was called, else until they are there. `part`: with several devices, the one that has found them;
- *  else 0. Valid until the next pierce_detect(). Errors: no such part; bodies were added, removed,
- *  moved or changed since. */
+ *  be set. Waits for nothing if pierce_set_stream() was called, else until they are there. `part`:
+ *  with several devices, the one that has found them; else 0. Valid until the next pierce_detect().
+ *  Errors: no such part; bodies were added, removed, moved or changed since. */
 PIERCE_API pierce_status pierce_device_contacts(const pierce_world* world, uint32_t part,
                                                 pierce_device_contact_list* solids,
                                                 pierce_device_contact_list* sheets);
