@@ -90,11 +90,12 @@ TEST_F(CompareCommandTest, ComparesAllMethodsThatCanServe) {
                              "reprojected", "gimpact"})
         EXPECT_THAT(outcome.text, HasSubstr("\n  " + std::string(name) + " ")) << name;
     for (const char* name : {"gjk-hull", "gjk-epa"})
-        EXPECT_THAT(outcome.text,
-                    HasSubstr("  left out: " + std::string(name) + ": its shapes cannot follow deforming bodies"));
+        EXPECT_THAT(outcome.text, HasSubstr("  left out: " + std::string(name) +
+                                            ": its shapes cannot follow deforming bodies"));
     EXPECT_THAT(compare("--every 1").text, HasSubstr("2 of them with the truth"))
         << "the truth there is, is used";
-    expect_refused("compare " + path("motion") + " --methods gjk-epa", "its shapes cannot follow deforming bodies");
+    expect_refused("compare " + path("motion") + " --methods gjk-epa",
+                   "its shapes cannot follow deforming bodies");
 }
 
 TEST_F(CompareCommandTest, RefusesWhatItCannotCompare) {
