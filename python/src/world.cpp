@@ -299,9 +299,8 @@ void bind_steps(nb::class_<PyWorld>& c) {
             nb::sig("def device_contacts(self, part: int = 0) -> tuple[DeviceContactList, "
                     "DeviceContactList]"),
             "The last step's contacts in device memory, of solids and of sheets; of several "
-            "devices, "
-            "those that one has found. Waits for nothing after set_stream(), else until they are "
-            "there.")
+            "devices, those that one has found. Waits for nothing after set_stream(), else until "
+            "they are there.")
         .def_prop_ro(
             "stats", [](PyWorld& w) { return Use(w)->stats(); }, "Of the last step, a copy.")
         .def_prop_ro("plan", plan_now,

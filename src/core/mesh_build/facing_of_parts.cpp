@@ -31,13 +31,11 @@ double relative_volume(std::span<const Vec3f> positions, std::span<const Triangl
 
 std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles,
                               const ConnectedParts& parts, Workers& workers) {
-    std::vector<Facing> result(parts.count, Facing::outward);
     const TriangleGroups groups(parts.part, parts.count);
-    if (parts.count == 0) return result;
+    if (parts.count == 0) return {};
     if (parts.count == 1) {
-        if (relative_volume(positions, triangles, groups.members(0)) < 0)
-            result[0] = Facing::inward;
-        return result;
+        const double volume = relative_volume(positions, triangles, groups.members(0));
+        return {volume < 0 ? Facing::inward : Facing::outward};
     }
     const WindingTree winding(positions, triangles);
     const auto facing = [&](std::uint32_t part) {
@@ -58,12 +56,7 @@ std::vector<Facing> facing_of(std::span<const Vec3f> positions, std::span<const 
         if (volume > 0 && within_inward > constants::wall_share * all) return Facing::in_inward;
         return Facing::outward;
     };
-    workers.share_out("facing", parts.count, TriangleGroups::at_once,
-                      [&](std::uint32_t begin, std::uint32_t end) {
-                          for (std::uint32_t part = begin; part < end; ++part)
-                              result[part] = facing(part);
-                      });
-    return result;
+    return judge_groups("facing", parts.count, workers, facing);
 }
 
 }  // namespace pierce

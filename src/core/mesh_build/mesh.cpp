@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/for_now.hpp"
 #include "core/base/usable.hpp"
 #include "core/base/workers.hpp"
 #include "core/device/view.hpp"
@@ -95,14 +96,8 @@ private:
     Workers make_workers() {
         if (!options.progress) return Workers(options.threads);
         return Workers(options.threads, [this](std::string_view what, double share) {
-            telling = std::this_thread::get_id();
-            try {
-                options.progress(what, share);
-            } catch (...) {
-                telling = std::thread::id();
-                throw;
-            }
-            telling = std::thread::id();
+            const ForNow now(telling, std::this_thread::get_id());
+            options.progress(what, share);
         });
     }
     void see_arrays() {

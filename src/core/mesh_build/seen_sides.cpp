@@ -32,6 +32,7 @@ std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
     const Sight sight(positions, surface.triangles);
     const TriangleGroups patches(surface.patch, surface.patches);
     const auto shows_its_back = [&](std::uint32_t p) {
+        if (!is_open[p]) return false;
         double all = 0, front = 0, back = 0;
         patches.for_each_sample(p, samples, [&](std::uint32_t t, std::uint32_t) {
             const Sight::Lines lines = sight.from(t);
@@ -42,17 +43,10 @@ std::vector<bool> turn_seen_sides_outward(std::span<const Vec3f> positions,
         });
         return back > front + least_seen * all;
     };
-    std::vector<std::uint8_t> shows(surface.patches, 0);
-    workers.share_out("sides", surface.patches, TriangleGroups::at_once,
-                      [&](std::uint32_t begin, std::uint32_t end) {
-                          for (std::uint32_t p = begin; p < end; ++p)
-                              shows[p] = is_open[p] && shows_its_back(p);
-                      });
-    for (std::uint32_t p = 0; p < surface.patches; ++p) {
-        turned[p] = shows[p] != 0;
+    turned = judge_groups("sides", surface.patches, workers, shows_its_back);
+    for (std::uint32_t p = 0; p < surface.patches; ++p)
         if (turned[p])
             for (std::uint32_t t : patches.members(p)) surface.turn(t);
-    }
     return turned;
 }
 

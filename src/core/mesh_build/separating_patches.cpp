@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 
 #include "core/mesh_build/sight.hpp"
@@ -69,13 +68,8 @@ private:
     /// What judge(patch) says of open patches; true for others.
     template <class Judge>
     std::vector<bool> for_each_open_patch(const Judge& judge) const {
-        std::vector<std::uint8_t> result(surface_.patches, 1);
-        workers_.share_out("walls", surface_.patches, TriangleGroups::at_once,
-                           [&](std::uint32_t begin, std::uint32_t end) {
-                               for (std::uint32_t p = begin; p < end; ++p)
-                                   if (is_open_[p]) result[p] = judge(p);
-                           });
-        return {result.begin(), result.end()};
+        return judge_groups("walls", surface_.patches, workers_,
+                            [&](std::uint32_t p) { return !is_open_[p] || judge(p); });
     }
 
     std::span<const Vec3f> positions_;

@@ -5,8 +5,11 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include "core/base/workers.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/vec3.hpp"
@@ -41,8 +44,6 @@ inline std::array<Vec3d, 4> places_of(std::span<const Vec3f> positions, const Tr
 /// Triangles by the number of their group: parts or patches of a surface.
 class TriangleGroups {
 public:
-    static constexpr std::uint32_t at_once = 4;  ///< groups that a thread judges
-
     TriangleGroups(std::span<const std::uint32_t> group_of, std::uint32_t groups)
         : begin_(groups + 1, 0), members_(group_of.size()) {
         for (std::uint32_t g : group_of) ++begin_[g + 1];
@@ -69,5 +70,20 @@ public:
 private:
     std::vector<std::uint32_t> begin_, members_;
 };
+
+/// What judge(group) says of each group, asked on all threads; `what` is what progress is told.
+template <class Judge>
+auto judge_groups(std::string_view what, std::uint32_t groups, Workers& workers,
+                  const Judge& judge) {
+    using Answer = std::invoke_result_t<Judge, std::uint32_t>;
+    constexpr std::uint32_t groups_at_once = 4;
+    // Threads cannot write the bits of a vector<bool> side by side.
+    std::vector<std::conditional_t<std::is_same_v<Answer, bool>, std::uint8_t, Answer>> answers(
+        groups);
+    workers.share_out(what, groups, groups_at_once, [&](std::uint32_t begin, std::uint32_t end) {
+        for (std::uint32_t group = begin; group < end; ++group) answers[group] = judge(group);
+    });
+    return std::vector<Answer>(answers.begin(), answers.end());
+}
 
 }  // namespace pierce

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "core/base/for_now.hpp"
 #include "core/body/body_view.hpp"
 #include "core/body/scene.hpp"
 #include "core/device/view.hpp"
@@ -252,17 +253,7 @@ void World::State::check_not_planning() const {
 
 void World::State::make_plan() {
     check_not_planning();
-    planning = true;
-    try {
-        make_views();
-    } catch (...) {
-        planning = false;
-        throw;
-    }
-    planning = false;
-}
-
-void World::State::make_views() {
+    const ForNow now(planning, true);
     const std::optional<std::vector<std::uint32_t>> some = std::exchange(reshaped, std::nullopt);
     if (some && adapt_plan(*some)) {
         planned = true;

@@ -218,7 +218,6 @@ struct World::State {
     BodyKinds kinds_of(const BodyEntry& body) const;
     /// Makes what does not change between steps. Throws InputError if it is doing so.
     void make_plan();
-    void make_views();
     /// The same where a plan is there and the bodies have only got other meshes; false if that
     /// changes what steps do.
     bool adapt_plan(std::span<const std::uint32_t> some);
