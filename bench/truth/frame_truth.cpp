@@ -11,7 +11,6 @@ namespace {
 /// A body as it stands in a frame.
 struct Placed {
     std::uint32_t body = 0;
-    bool fixed = false;
     const ExactMesh* mesh = nullptr;
     Frame frame;  ///< mesh's space to world
     Box box;      ///< in the world
@@ -40,12 +39,13 @@ Box world_box(const ExactMesh& mesh, const Frame& frame) {
 }
 
 /// The two of every pair whose boxes overlap, lower body first.
-std::vector<std::pair<const Placed*, const Placed*>> candidates(std::vector<Placed>& bodies) {
+std::vector<std::pair<const Placed*, const Placed*>> candidates(std::vector<Placed>& bodies,
+                                                                const scenes::PairRules& rules) {
     std::ranges::sort(bodies, {}, [](const Placed& p) { return p.box.lower.x; });
     std::vector<std::pair<const Placed*, const Placed*>> pairs;
     for (auto a = bodies.begin(); a != bodies.end(); ++a)
         for (auto b = a + 1; b != bodies.end() && b->box.lower.x <= a->box.upper.x; ++b)
-            if (overlap(a->box, b->box) && !(a->fixed && b->fixed))
+            if (overlap(a->box, b->box) && rules.allow(a->body, b->body))
                 pairs.push_back(a->body < b->body ? std::pair(&*a, &*b) : std::pair(&*b, &*a));
     return pairs;
 }
@@ -63,7 +63,8 @@ void add_inside(const Placed& source, const Placed& target, std::vector<InsideVe
 
 }  // namespace
 
-RecordingTruth::RecordingTruth(const scenes::Recording& recording) : recording_(recording) {
+RecordingTruth::RecordingTruth(const scenes::Recording& recording)
+    : recording_(recording), rules_(recording) {
     for (std::uint32_t m = 0; m < recording.meshes.size(); ++m) {
         const scenes::SceneMesh& mesh = recording.meshes[m];
         const Mesh surface(mesh.name, mesh.data, {.inside = inside_of(recording, m)});
@@ -78,7 +79,7 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
     for (std::uint32_t b = 0; b < recording_.bodies.size(); ++b) {
         const scenes::RecordedBody& body = recording_.bodies[b];
         const std::uint32_t mesh = recording_.mesh_of(b, frame);
-        Placed placed{b, body.motion == Motion::fixed, &rest_[mesh], {}, {}};
+        Placed placed{b, &rest_[mesh], {}, {}};
         if (body.motion == Motion::deforming) {
             const std::span<const Vec3f> positions = recording_.positions(b, frame);
             if (!is_usable(positions)) continue;
@@ -93,7 +94,7 @@ FrameTruth RecordingTruth::at(std::uint32_t frame, bool vertices) const {
     }
 
     FrameTruth truth{frame, {}, {}};
-    for (const auto& [a, b] : candidates(bodies)) {
+    for (const auto& [a, b] : candidates(bodies, rules_)) {
         const Frame a_in_b = relative_frame(a->frame, b->frame),
                     b_in_a = relative_frame(b->frame, a->frame);
         const bool meet = a->mesh->surfaces_intersect(*b->mesh, b_in_a);

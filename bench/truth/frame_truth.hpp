@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "scenes/named/pair_rules.hpp"
 #include "scenes/recording/recording.hpp"
 #include "truth/exact_mesh.hpp"
 
@@ -36,6 +37,7 @@ public:
 
 private:
     const scenes::Recording& recording_;
+    scenes::PairRules rules_;
     std::vector<std::vector<Triangle>> triangles_;  ///< per mesh, those of its surface
     std::vector<ExactMesh> rest_;                   ///< per mesh
 };

@@ -63,7 +63,8 @@ struct SheetTruth::Placed {
     }
 };
 
-SheetTruth::SheetTruth(const scenes::Recording& recording) : recording_(recording) {
+SheetTruth::SheetTruth(const scenes::Recording& recording)
+    : recording_(recording), rules_(recording) {
     for (std::uint32_t m = 0; m < recording.meshes.size(); ++m)
         meshes_.emplace_back(recording.meshes[m].name, recording.meshes[m].data,
                              MeshOptions{.inside = inside_of(recording, m)});
@@ -79,7 +80,8 @@ SheetTruth::SheetTruth(const scenes::Recording& recording) : recording_(recordin
 bool SheetTruth::are_looked_at(std::uint32_t a, std::uint32_t b) const {
     const Collision &first = recording_.bodies[a].collision,
                     &second = recording_.bodies[b].collision;
-    return a == b ? first.sheet && first.self != SelfCollision::off : first.sheet || second.sheet;
+    return a == b ? first.sheet && first.self != SelfCollision::off
+                  : (first.sheet || second.sheet) && rules_.allow(a, b);
 }
 
 std::vector<SheetTruth::Placed> SheetTruth::placed(std::uint32_t from, std::uint32_t to) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/mesh/mesh_view.hpp"
+#include "scenes/named/pair_rules.hpp"
 #include "scenes/recording/recording.hpp"
 #include "truth/meeting.hpp"
 
@@ -51,6 +52,7 @@ private:
     std::vector<Placed> placed(std::uint32_t from, std::uint32_t to) const;
 
     const scenes::Recording& recording_;
+    scenes::PairRules rules_;
     std::vector<Mesh> meshes_;
     std::vector<MeshView> views_;                   ///< of these
     std::vector<std::vector<std::uint32_t>> used_;  ///< per mesh, vertices of triangles

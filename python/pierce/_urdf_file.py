@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
+from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,10 +81,20 @@ def read_urdf_file(path: Path, shapes: str) -> UrdfFile:
     Raises InputError for what is malformed.
     """
     try:
-        root = ElementTree.parse(path).getroot()
-        return _file(root, path.stem, _SHAPES[shapes])
-    except (ElementTree.ParseError, ValueError, OSError) as error:
+        return _file(_read_xml(path), path.stem, _SHAPES[shapes])
+    except (expat.ExpatError, ValueError, OSError) as error:
         raise InputError(f"cannot read '{path}': {error}") from error
+
+
+def _read_xml(path: Path) -> Element:
+    """The root of a file whose prefixes need not be declared, as in many robots' files."""
+    parser, builder = expat.ParserCreate(), ElementTree.TreeBuilder()
+    parser.StartElementHandler = builder.start
+    parser.EndElementHandler = builder.end
+    parser.CharacterDataHandler = builder.data
+    with path.open("rb") as file:
+        parser.ParseFile(file)
+    return builder.close()
 
 
 def _file(root: Element, stem: str, tags: tuple[str, ...]) -> UrdfFile:

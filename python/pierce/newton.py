@@ -113,8 +113,8 @@ class CollisionPipeline:
         _exclude_others(self.world, model, shapes, bodies, pairs[taken])
         reach = model.shape_margin.numpy() + (model.shape_gap.numpy() if gap is None else gap / 2)
         for shape, body in zip(shapes, bodies, strict=True):
-            # A pair has the larger margin of its two bodies.
-            margin = float(reach[shape] + reach[shapes].max())
+            # Pierce takes the larger margin of a pair, Newton the sum.
+            margin = 2 * max(0.0, float(reach[shape]))
             self.world.set_collision(body, _core.Collision(margin=margin))
 
         device = model.device
@@ -205,7 +205,9 @@ class CollisionPipeline:
             return []
         rows: Any = slice(None)
         if self._most_per_pair is not None:
-            rows, _ = found.reduce(self._most_per_pair)
+            reach = self._reach.numpy()[self._shape_of.numpy()]
+            both = sum(reach[(of & 0xFFFFFFFF).astype(np.intp)] for of in (found.a, found.b))
+            rows, _ = found.reduce(self._most_per_pair, found.distance <= both)
         slots = [(handles[rows] & 0xFFFFFFFF).astype(np.uint32) for handles in (found.a, found.b)]
         columns = [
             (np.array([len(slots[0])], dtype=np.uint32), wp.uint32),
@@ -510,11 +512,15 @@ def _exclude_others(
     worlds = model.shape_world.numpy()[shapes]
     shared = np.flatnonzero(worlds < 0)
     places = np.searchsorted(shapes, pairs)
-    allowed = places.min(axis=1) * len(shapes) + places.max(axis=1)
-    for number in np.unique(worlds):
-        own = np.flatnonzero(worlds == number)
-        members = own if number < 0 else np.union1d(shared, own)
-        first, second = (members[k] for k in np.triu_indices(len(members), 1))
-        others = np.setdiff1d(first * len(shapes) + second, allowed)
-        for key in others.tolist():
+    allowed = np.unique(places.min(axis=1) * len(shapes) + places.max(axis=1))
+    by_world = np.argsort(worlds, kind="stable")
+    for own in np.split(by_world, np.flatnonzero(np.diff(worlds[by_world])) + 1):
+        first, second = (own[k] for k in np.triu_indices(len(own), 1))
+        if len(own) and worlds[own[0]] >= 0:
+            first = np.concatenate([first, np.repeat(shared, len(own))])
+            second = np.concatenate([second, np.tile(own, len(shared))])
+        keys = np.minimum(first, second) * len(shapes) + np.maximum(first, second)
+        at = np.searchsorted(allowed, keys)
+        is_allowed = np.append(allowed, -1)[at] == keys
+        for key in keys[~is_allowed].tolist():
             world.exclude(bodies[key // len(shapes)], bodies[key % len(shapes)])

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._bodies import bodies_of
-from ._core import BodyId, Filter, MeshId, Motion, Recording, World
+from ._core import BodyId, MeshId, Motion, Recording, World
 
 
 class Recorder:
@@ -19,9 +19,9 @@ class Recorder:
     dt: [s] from frame to frame.
     names: of bodies; the others have their mesh's.
 
-    A recording has poses in float32. It has no filters, worlds and excluded pairs: where bodies
-    are is right, and in a replay all of them meet. `recording()` warns where that makes a
-    difference, but it cannot know of a pair filter, or of worlds that are not active.
+    A recording has poses in float32, and the collisions, filters and excluded pairs that there
+    are when `recording()` is called. It cannot know of a pair filter, or of worlds that are not
+    active: in a replay, their bodies meet.
     """
 
     def __init__(
@@ -45,15 +45,16 @@ class Recorder:
     def recording(self) -> Recording:
         """The frames that were added; write() puts it into a folder.
 
-        Warns of what a replay will not know.
+        Warns of bodies that were added since the recorder was made, which are left out.
         Raises ValueError if there are none.
         """
         if not self._frames or not self._frames[0]:
             raise ValueError("nothing was recorded: there is no frame, or no body")
-        lost = self._lost()
-        if lost:
+        added = len(set(bodies_of(self.world)) - set(self.bodies))
+        if added:
             warnings.warn(
-                f"the recording has no {', and no '.join(lost)}: a replay may have other contacts",
+                f"{added} bodies were added later, and are not in the recording: a replay may have "
+                "other contacts",
                 stacklevel=2,
             )
         numbers: dict[MeshId, int] = {}
@@ -67,23 +68,17 @@ class Recorder:
                 self.world.motion_of(body),
                 np.stack(frames),
                 self.world.collision_of(body),
+                self.world.filter_of(body),
             )
             for body, mesh, frames in zip(self.bodies, self._meshes, self._frames, strict=True)
         ]
-        return Recording(self.dt, meshes, bodies)
-
-    def _lost(self) -> list[str]:
-        """What decides about contacts and is in no recording."""
-        filters = [self.world.filter_of(body) for body in self.bodies]
-        filtered = sum(each != Filter() for each in filters)
-        excluded = self.world.plan.excluded_pairs
-        added = len(set(bodies_of(self.world)) - set(self.bodies))
-        counts = {
-            f"filters, which {filtered} bodies have": filtered,
-            f"excluded pairs, of which there are {excluded}": excluded,
-            f"bodies that were added later, of which there are {added}": added,
-        }
-        return [what for what, count in counts.items() if count]
+        places = {body: place for place, body in enumerate(self.bodies)}
+        excluded = [
+            (places[a], places[b])
+            for a, b in self.world.excluded_pairs
+            if a in places and b in places
+        ]
+        return Recording(self.dt, meshes, bodies, excluded)
 
     def _place(self, body: BodyId) -> list[float] | NDArray[np.float64]:
         """Seven numbers of a pose, or float64 (n, 3)."""

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._bodies import bodies_of
-from ._core import BodyId, Contacts, MeshId, Motion, World
+from ._core import BodyId, Contacts, InputError, MeshId, Motion, World
 from ._poses import rotations_of
 
 Floats = NDArray[np.float64]
@@ -74,12 +74,19 @@ class Viewer:
         contacts: those to show; None: all of the last step.
         """
         self._set_time(step, seconds)
-        bodies = bodies_of(self.world)
+        bodies = self._bodies()
         for body in self._shown.keys() - set(bodies):
             self._hide(body)
         for body in bodies:
             self._log_body(body)
         self._log_contacts(self.world.contacts if contacts is None else contacts)
+
+    def _bodies(self) -> list[BodyId]:
+        """Those of the last step, or all if it is not known which took part."""
+        try:
+            return [box.body for box in self.world.body_boxes()]
+        except InputError:
+            return bodies_of(self.world)
 
     def _name(self, body: BodyId) -> str:
         if body not in self._names_of:

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -26,6 +27,20 @@ namespace pierce::python {
 namespace {
 
 std::span<const Contact> all(const Contacts& c) { return c.kept().all(); }
+
+/// The places that an array of places or a mask names, of `size` ones; None: all.
+std::vector<std::uint32_t> places_among(std::size_t size, const nb::object& among) {
+    std::vector<std::uint32_t> places(size);
+    std::iota(places.begin(), places.end(), 0u);
+    if (among.is_none()) return places;
+    const nb::object numpy = nb::module_::import_("numpy");
+    // Indexing knows masks and negative places, and refuses what is out of range.
+    const nb::object named = numpy.attr("arange")(size, numpy.attr("uint32"))[among];
+    const auto view = nb::cast<nb::ndarray<const std::uint32_t, nb::ndim<1>, nb::c_contig>>(
+        numpy.attr("ascontiguousarray")(named));
+    places.assign(view.data(), view.data() + view.size());
+    return places;
+}
 
 /// Contacts from one place to another; they keep the whole list.
 Contacts part_of(const Contacts& c, std::size_t begin, std::size_t end) {
@@ -292,22 +307,26 @@ void bind_contacts(nb::module_& module) {
             "64-bit hash of the list: equal lists have equal hashes, on every backend.")
         .def(
             "reduce",
-            [](const Contacts& c, std::uint32_t most_per_pair) {
+            [](const Contacts& c, std::uint32_t most_per_pair, const nb::object& among) {
+                const std::vector<std::uint32_t> given = places_among(all(c).size(), among);
+                std::vector<Contact> some;
+                for (const std::uint32_t place : given) some.push_back(all(c)[place]);
                 std::vector<std::uint32_t> places;
                 std::vector<double> weights;
-                for (const ReducedContact& r : reduce(all(c), most_per_pair)) {
-                    places.push_back(r.contact);
+                for (const ReducedContact& r : reduce(some, most_per_pair)) {
+                    places.push_back(given[r.contact]);
                     weights.push_back(r.weight);
                 }
                 return nb::make_tuple(array_from(std::move(places)),
                                       array_from(std::move(weights)));
             },
-            nb::arg("most_per_pair"),
-            nb::sig(
-                "def reduce(self, most_per_pair: int) -> tuple[numpy.typing.NDArray[numpy.uint32], "
-                "numpy.typing.NDArray[numpy.float64]]"),
+            nb::arg("most_per_pair"), nb::arg("among") = nb::none(),
+            nb::sig("def reduce(self, most_per_pair: int, among: numpy.typing.ArrayLike | None = "
+                    "None) -> tuple[numpy.typing.NDArray[numpy.uint32], "
+                    "numpy.typing.NDArray[numpy.float64]]"),
             "Picks at most `most_per_pair` contacts of each pair, six at least, with weights, so "
-            "that force and torque stay. Returns places, uint32 (k,), and weights, float64 (k,).")
+            "that force and torque stay. Returns places, uint32 (k,), and weights, float64 (k,). "
+            "`among`: picks from these only, places or a mask; None: all.")
         .def(
             "changes",
             [](const Contacts& later, const Contacts& earlier) {

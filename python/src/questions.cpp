@@ -107,8 +107,8 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
             "first meetings of other vertices.")
         .def(
             "impacts_ahead",
-            [](PyWorld& w, const std::vector<BodyId>& bodies, const nb::sequence& poses,
-               std::uint32_t most_per_pair) {
+            [](PyWorld& w, nb::handle given, nb::handle poses, std::uint32_t most_per_pair) {
+                const std::vector<BodyId> bodies = bodies_of(given);
                 if (nb::len(poses) != bodies.size())
                     throw InputError("impacts_ahead needs a pose for each body");
                 std::vector<PoseAhead> ahead;
@@ -118,6 +118,10 @@ void bind_questions(nb::module_& module, nb::class_<PyWorld>& c) {
                     w, [&](World& world) { return world.impacts_ahead(ahead, most_per_pair); });
             },
             nb::arg("bodies"), nb::arg("poses"), nb::arg("most_per_pair") = 1,
+            nb::sig("def impacts_ahead(self, bodies: collections.abc.Iterable[BodyId] | "
+                    "numpy.typing.NDArray[numpy.uint64], poses: collections.abc.Sequence[Pose | "
+                    "numpy.typing.ArrayLike] | numpy.typing.NDArray[numpy.floating], "
+                    "most_per_pair: int = 1) -> list[ImpactContact]"),
             "The same for rigid bodies on their way from where they are now to the given poses.")
         .def("cast_rays", cast_rays, nb::arg("origin"), nb::arg("directions"),
              "The first body along each line of sight, as RayHit or None.")

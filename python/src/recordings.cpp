@@ -95,8 +95,9 @@ nb::object positions_in(nb::handle_t<Recording> self, std::uint32_t body, std::u
 }
 
 /// A recording from meshes, as (name, mesh), and bodies, as (name, place of the mesh, Motion,
-/// motion as motion_of() has it, and maybe Collision).
-void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies) {
+/// motion as motion_of() has it, and maybe Collision and Filter).
+void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies,
+                    const std::vector<scenes::BodyPair>& excluded) {
     scenes::check_time_step(dt, "dt");
     Recording made;
     made.dt = dt;
@@ -133,6 +134,7 @@ void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies
         const auto frames = static_cast<std::uint32_t>(values.shape(0));
         if (frames == 0) throw InputError(body.name + ": there are no frames");
         if (nb::len(given) > 4) body.collision = nb::cast<Collision>(given[4]);
+        if (nb::len(given) > 5) body.filter = nb::cast<Filter>(given[5]);
         made.frame_count = std::max(made.frame_count, frames);
         made.bodies.push_back(std::move(body));
     }
@@ -142,10 +144,16 @@ void make_recording(Recording* self, double dt, nb::list meshes, nb::list bodies
                                         ? 3 * made.meshes[body.mesh].data.positions.size()
                                         : 7;
         const std::size_t frames = body.values.size() / numbers;
-        if (frames != made.frame_count && !(frames == 1 && body.motion != Motion::deforming))
+        if (frames != made.frame_count && !(frames == 1 && body.motion == Motion::fixed))
             throw nb::value_error((body.name + ": expected " + std::to_string(made.frame_count) +
                                    " frames, got " + std::to_string(frames))
                                       .c_str());
+    }
+    for (const auto& [a, b] : excluded) {
+        if (a >= made.bodies.size() || b >= made.bodies.size() || a == b)
+            throw InputError("bodies " + std::to_string(a) + " and " + std::to_string(b) +
+                             " are no pair");
+        made.excluded.insert(std::minmax(a, b));
     }
     new (self) Recording(std::move(made));
 }
@@ -188,9 +196,21 @@ void bind_recording(nb::module_& module) {
     nb::class_<Recording>(module, "Recording",
                           "The motion of bodies over time, which any method can be shown.")
         .def("__init__", make_recording, nb::arg("dt"), nb::arg("meshes"), nb::arg("bodies"),
+             nb::arg("excluded") = std::vector<scenes::BodyPair>(),
              "`meshes`: (name, mesh) each; `bodies`: (name, place of the mesh, Motion, motion) "
-             "each, and a Collision if it is not the default. A motion is (frames, 7) poses, or "
-             "(frames, vertices, 3) positions. Raises InputError.")
+             "each, and a Collision and a Filter if they are not the default. A motion is "
+             "(frames, 7) poses, or (frames, vertices, 3) positions. `excluded`: pairs of places "
+             "of bodies that do not meet. Raises InputError.")
+        .def_prop_ro(
+            "excluded",
+            [](const Recording& recording) {
+                return std::vector(recording.excluded.begin(), recording.excluded.end());
+            },
+            "Pairs of bodies that do not meet, each one's lower one first.")
+        .def(
+            "filter",
+            [](const Recording& r, std::uint32_t body) { return body_of(r, body).filter; },
+            nb::arg("body"), "A copy of a body's Filter.")
         .def_static(
             "read",
             [](const std::filesystem::path& folder) {

@@ -69,6 +69,7 @@ void bind_enumerations(nb::module_& module) {
         .value("own_exit_first", Reason::own_exit_first)
         .value("beyond_range", Reason::beyond_range)
         .value("no_triangle_names_it", Reason::no_triangle_names_it)
+        .value("unexplained", Reason::unexplained)
         .value("not_looked_at", Reason::not_looked_at)
         .value("not_looked_for", Reason::not_looked_for)
         .value("apart", Reason::apart)

@@ -236,6 +236,9 @@ void bind_filters(nb::class_<PyWorld>& c) {
         .def(
             "include", [](PyWorld& w, BodyId a, BodyId b) { Use(w)->include(a, b); }, nb::arg("a"),
             nb::arg("b"), "Takes a pair in again.")
+        .def_prop_ro(
+            "excluded_pairs", [](PyWorld& w) { return Use(w)->excluded_pairs(); },
+            "The pairs that exclude() has left out, each one's lower body first, sorted.")
         .def("set_pair_filter", set_pair_filter, nb::arg("filter").none(),
              nb::sig("def set_pair_filter(self, filter: collections.abc.Callable[[BodyId, BodyId], "
                      "object] | None) -> None"),

@@ -67,27 +67,65 @@ def test_a_body_with_another_mesh_is_refused(two_tori):
         recorder.add()
 
 
-def test_what_a_recording_does_not_know_is_said(two_tori):
+def test_filters_and_excluded_pairs_are_recorded(tmp_path):
+    world = pierce.World("embree", 1)
+    mesh = world.add_mesh(box())
+    bodies = [world.add_rigid_body(mesh, [0.3 * k, 0.1 * k, 0, 0, 0, 0, 1]) for k in range(6)]
+    world.set_filter(bodies[1], pierce.Filter(groups=2, meets=5))
+    world.set_filter(bodies[2], pierce.Filter(chain=7))
+    world.set_filter(bodies[3], pierce.Filter(chain=7))
+    world.set_filter(bodies[4], pierce.Filter(world=3))
+    world.set_filter(bodies[5], pierce.Filter(world=4))
+    world.exclude(bodies[2], bodies[0])
+    assert world.excluded_pairs == [(bodies[0], bodies[2])]
+    recorder = pierce.Recorder(world)
+    expected = world.detect()
+    recorder.add()
+    recording = recorder.recording()
+    recording.write(str(tmp_path / "motion"))
+    for again in (recording, pierce.Recording.read(str(tmp_path / "motion"))):
+        assert again.excluded == [(0, 2)]
+        assert [again.filter(k) for k in range(6)] == [world.filter_of(b) for b in bodies]
+        assert pierce.Replay(again, "embree", 1).step(0).hash == expected.hash
+    world.include(bodies[0], bodies[2])
+    assert world.excluded_pairs == [] and world.detect().hash != expected.hash
+
+
+def test_bodies_that_do_not_exist_are_no_excluded_pair():
+    mesh, pose = ("box", box()), np.float32([[0, 0, 0, 0, 0, 0, 1]])
+    bodies = [("box", 0, pierce.Motion.rigid, pose)] * 2
+    for pair in ((0, 2), (1, 1)):
+        with pytest.raises(pierce.InputError, match="are no pair"):
+            pierce.Recording(0.1, [mesh], bodies, [pair])
+
+
+def test_only_static_bodies_may_have_one_frame():
+    mesh = ("box", box())
+    poses = np.tile(np.float32([0, 0, 0, 0, 0, 0, 1]), (3, 1))
+    for motion in (pierce.Motion.fixed, pierce.Motion.rigid):
+        bodies = [
+            ("moves", 0, pierce.Motion.rigid, poses),
+            ("stays", 0, motion, poses[:1]),
+        ]
+        if motion == pierce.Motion.fixed:
+            assert pierce.Recording(0.1, [mesh], bodies).frame_count == 3
+        else:
+            with pytest.raises(ValueError, match="stays: expected 3 frames, got 1"):
+                pierce.Recording(0.1, [mesh], bodies)
+
+
+def test_bodies_that_came_later_are_not_recorded(two_tori):
     world, rigid, soft, _ = two_tori
     recorder = pierce.Recorder(world)
     recorder.add()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         recorder.recording()
-    world.set_filter(rigid, pierce.Filter(world=3))
-    with pytest.warns(UserWarning, match="no filters, which 1 bodies have: a replay"):
-        recorder.recording()
-    world.set_filter(rigid, pierce.Filter())
-    world.exclude(rigid, soft)
-    with pytest.warns(UserWarning, match="no excluded pairs, of which there are 1: a replay"):
-        recorder.recording()
-    world.include(rigid, soft)
-    world.add_rigid_body(world.mesh_of(rigid))
-    with pytest.warns(UserWarning, match="no bodies that were added later, of which there are 1:"):
-        assert len(recorder.recording().body_names) == 2
-    world.set_filter(soft, pierce.Filter(chain=1))
-    with pytest.warns(UserWarning, match="no filters, .*, and no bodies"):
-        recorder.recording()
+    later = world.add_rigid_body(world.mesh_of(rigid))
+    world.exclude(later, soft)
+    with pytest.warns(UserWarning, match="1 bodies were added later"):
+        recording = recorder.recording()
+    assert len(recording.body_names) == 2 and recording.excluded == []
 
 
 class Terminal(io.StringIO):

@@ -39,6 +39,12 @@ def angles(robot, values):
     return 2 * np.arctan2(poses[:, 5], poses[:, 6])
 
 
+def test_prefixes_need_not_be_declared(tmp_path):
+    shape = '<collision><geometry><box size="1 2 3"/></geometry></collision>'
+    robot = read(tmp_path, link("base", shape), '<drake:joint drake:acceleration="2.5"/>')
+    assert len(robot.shapes) == 1
+
+
 def test_boxes_are_told_apart_by_all_digits(tmp_path):
     shapes = "".join(
         f'<collision><geometry><box size="{size} 1 1"/></geometry></collision>'

@@ -107,6 +107,17 @@ def test_bodies_that_are_nowhere_are_not_shown():
         world.detect()
         viewer.log(0)
         assert ("soft" in viewer.meshes) == (positions is vertices)
+    world.set_pose(rigid, [1e30, 0, 0, 0, 0, 0, 1])
+    world.detect()
+    viewer.log(0)
+    assert set(viewer.meshes) == {"soft"}
+    world.set_pose(rigid, good)
+    world.set_filter(rigid, pierce.Filter(world=1))
+    for active in (True, False):
+        world.set_world_active(1, active)
+        world.detect()
+        viewer.log(0)
+        assert ("rigid" in viewer.meshes) == active
     world.remove_body(rigid)
     world.detect()
     viewer.log(0)

@@ -226,6 +226,12 @@ def test_questions(two_tori):
     assert overlap.volume > 0 and overlap.patches[0].area > 0
     places, weights = contacts.reduce(8)
     assert len(places) <= 8 and (weights > 0).all()
+    deep = contacts.depth > np.median(contacts.depth)
+    for among in (deep, np.flatnonzero(deep), np.flatnonzero(deep)[:7].tolist()):
+        places, _ = contacts.reduce(6, among)
+        assert 0 < len(places) <= 6 and deep[places].all()
+    with pytest.raises(IndexError):
+        contacts.reduce(6, [len(contacts)])
     began, stayed, ended = world.detect().changes(contacts)
     assert len(began) == len(ended) == 0 and len(stayed) == len(contacts)
     hits = world.cast_rays((0, 0, 5), [[0, 1, 0], [1, 0, -5], [0, 0, 1]])
@@ -235,7 +241,8 @@ def test_questions(two_tori):
     assert world.impacts() == []
     assert len(world.body_boxes()) == 2
     world.set_pose(rigid, [0, 0, 5, 0, 0, 0, 1])
-    ahead = world.impacts_ahead([rigid], [[0, 0, -5, 0, 0, 0, 1]], 3)
+    ahead = world.impacts_ahead(pierce.ids([rigid]), np.float64([[0, 0, -5, 0, 0, 0, 1]]), 3)
+    assert len(world.impacts_ahead([rigid], [[0, 0, -5, 0, 0, 0, 1]], 3)) == 3
     assert len(ahead) == 3 and 0 < ahead[0].time < 0.5
     along = np.dot(np.subtract(ahead[0].start_b, ahead[0].start_a), ahead[0].normal)
     assert along == pytest.approx(ahead[0].gap, rel=1e-6)

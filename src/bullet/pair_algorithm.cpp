@@ -33,6 +33,11 @@ struct WrittenPoint {
     std::uint64_t feature;
 };
 
+void tell_destroyed(const btManifoldPoint& point) {
+    if (point.m_userPersistentData != nullptr && gContactDestroyedCallback != nullptr)
+        (*gContactDestroyedCallback)(point.m_userPersistentData);
+}
+
 }  // namespace
 
 struct PairAlgorithm::Manifolds {
@@ -46,7 +51,7 @@ struct PairAlgorithm::Manifolds {
     void release(btDispatcher& dispatcher);
     PointMap take_points();
     void put_points(btDispatcher& dispatcher, const ContactSide& a, const ContactSide& b,
-                    const Points& added);
+                    Points& added);
 };
 
 /// Bullet tells the program what has ended.
@@ -78,9 +83,10 @@ PointMap PairAlgorithm::Manifolds::take_points() {
     return found;
 }
 
-/// Fills as many empty manifolds as the points need.
+/// Fills as many empty manifolds as the points need. If the dispatcher has no room for all, the
+/// deepest points stay.
 void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const ContactSide& a,
-                                          const ContactSide& b, const Points& added) {
+                                          const ContactSide& b, Points& added) {
     const std::size_t needed = (added.size() + MANIFOLD_CACHE_SIZE - 1) / MANIFOLD_CACHE_SIZE;
     while (manifolds.size() > needed) {
         if (gContactEndedCallback != nullptr && has_begun.back())
@@ -90,15 +96,23 @@ void PairAlgorithm::Manifolds::put_points(btDispatcher& dispatcher, const Contac
         has_begun.pop_back();
     }
     while (manifolds.size() < needed) {
-        manifolds.push_back(dispatcher.getNewManifold(a.object, b.object));
+        btPersistentManifold* const manifold = dispatcher.getNewManifold(a.object, b.object);
+        if (manifold == nullptr) break;  // the dispatcher's pool is full and must not grow
+        manifolds.push_back(manifold);
         has_begun.push_back(false);
+    }
+    const std::size_t room = manifolds.size() * MANIFOLD_CACHE_SIZE;
+    if (added.size() > room) {
+        std::ranges::stable_sort(added, {}, [](const auto& p) { return p.second.m_distance1; });
+        for (std::size_t i = room; i < added.size(); ++i) tell_destroyed(added[i].second);
+        added.resize(room);
     }
     for (std::size_t i = 0; i < added.size(); ++i) {
         const auto& [feature, point] = added[i];
         manifolds[i / MANIFOLD_CACHE_SIZE]->addManifoldPoint(point);
         points.push_back({point.m_localPointA, point.m_localPointB, feature});
     }
-    for (std::size_t m = 0; m < needed && gContactStartedCallback != nullptr; ++m)
+    for (std::size_t m = 0; m < manifolds.size() && gContactStartedCallback != nullptr; ++m)
         if (!has_begun[m]) (*gContactStartedCallback)(manifolds[m]);
 }
 
@@ -118,6 +132,8 @@ btManifoldPoint make_point(const FramedContact& contact, const btCollisionObject
     point.m_positionWorldOnA = on_a;
     point.m_positionWorldOnB = on_b;
     point.m_partId0 = point.m_partId1 = 0;
+    // As btManifoldResult does: a program's callback may go by these directions.
+    btPlaneSpace1(point.m_normalWorldOnB, point.m_lateralFrictionDir1, point.m_lateralFrictionDir2);
     // A program may have put its own functions there.
     point.m_combinedFriction = gCalculateCombinedFrictionCallback(&a, &b);
     point.m_combinedRestitution = gCalculateCombinedRestitutionCallback(&a, &b);
@@ -276,9 +292,7 @@ void PairAlgorithm::write_manifolds(const ContactSide& a, const ContactSide& b,
     if (points.empty()) points = make_points(a, b, contacts, most, way_apart, last);
     add_meetings(a, b, impacts, points);
     manifolds_->put_points(*m_dispatcher, a, b, points);
-    for (const auto& [feature, point] : last)
-        if (point.m_userPersistentData != nullptr && gContactDestroyedCallback != nullptr)
-            (*gContactDestroyedCallback)(point.m_userPersistentData);
+    for (const auto& [feature, point] : last) tell_destroyed(point);
     set_written(static_cast<std::uint32_t>(points.size()));
 }
 

@@ -68,10 +68,10 @@ std::uint64_t number(Id<Tag> id) {
 
 inline std::vector<BodyId> body_handles(const pierce_body_id* bodies, std::size_t count,
                                         const char* name) {
+    const auto given = list(bodies, count, name);
     std::vector<BodyId> handles;
-    handles.reserve(count <= 0xffffffffu ? count : 0);
-    for (const pierce_body_id body : list(bodies, count, name))
-        handles.push_back(body_handle(body));
+    handles.reserve(given.size());
+    for (const pierce_body_id body : given) handles.push_back(body_handle(body));
     return handles;
 }
 

@@ -197,6 +197,20 @@ pierce_status pierce_exclude(pierce_world* world, pierce_body_id a, pierce_body_
     return guarded([&] { world_of(world).exclude(body_handle(a), body_handle(b)); });
 }
 
+pierce_status pierce_excluded_pairs(pierce_world* world, const pierce_body_pair** pairs,
+                                    size_t* count) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        required(pairs, "pairs");
+        required(count, "count");
+        std::vector<pierce_body_pair> found;
+        for (const auto& [a, b] : inner.excluded_pairs()) found.push_back({number(a), number(b)});
+        world->excluded_pairs = std::move(found);
+        *pairs = world->excluded_pairs.data();
+        *count = world->excluded_pairs.size();
+    });
+}
+
 pierce_status pierce_include(pierce_world* world, pierce_body_id a, pierce_body_id b) {
     return guarded([&] { world_of(world).include(body_handle(a), body_handle(b)); });
 }

@@ -29,6 +29,7 @@ static_assert(same(PIERCE_REASON_APART, Reason::apart));
 static_assert(same(PIERCE_REASON_CLOSE_AT_REST, Reason::close_at_rest));
 static_assert(same(PIERCE_REASON_BESIDE, Reason::beside));
 static_assert(same(PIERCE_REASON_NO_TRIANGLE_NAMES_IT, Reason::no_triangle_names_it));
+static_assert(same(PIERCE_REASON_UNEXPLAINED, Reason::unexplained));
 static_assert(PIERCE_CERTIFICATE_NONE == static_cast<int>(Certificate::none) &&
               PIERCE_CERTIFICATE_PATCH == static_cast<int>(Certificate::patch) &&
               PIERCE_CERTIFICATE_PATCH_REST == static_cast<int>(Certificate::patch_rest) &&

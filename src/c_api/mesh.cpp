@@ -140,6 +140,15 @@ pierce_status pierce_share_mesh(const pierce_world* world, pierce_mesh_id mesh,
     });
 }
 
+pierce_status pierce_is_convex(const pierce_world* world, pierce_mesh_id mesh,
+                               uint32_t* is_convex) {
+    return guarded([&] {
+        auto& inner = world_of(world);
+        required(is_convex, "is_convex");
+        *is_convex = pierce::is_convex(inner.mesh(mesh_handle(mesh)));
+    });
+}
+
 pierce_status pierce_remove_mesh(pierce_world* world, pierce_mesh_id mesh) {
     return guarded([&] { world_of(world).remove_mesh(mesh_handle(mesh)); });
 }

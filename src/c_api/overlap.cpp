@@ -116,6 +116,6 @@ pierce_status pierce_impacts_ahead(pierce_world* world, const pierce_body_id* bo
         ahead.reserve(handles.size());
         for (std::size_t i = 0; i < handles.size(); ++i)
             ahead.push_back({handles[i], pose_of(poses + 7 * i, "poses")});
-        give(world->impacts, inner.impacts_ahead(ahead, most_per_pair), impacts, count);
+        give(world->impacts_ahead, inner.impacts_ahead(ahead, most_per_pair), impacts, count);
     });
 }

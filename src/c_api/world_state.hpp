@@ -25,7 +25,8 @@ struct pierce_world {
     std::vector<double> part_milliseconds;
     std::vector<pierce_body_box> boxes;
     std::vector<pierce_contact_patch> patches;
-    std::vector<pierce_impact> impacts;
+    std::vector<pierce_impact> impacts, impacts_ahead;
+    std::vector<pierce_body_pair> excluded_pairs;
 
     struct {
         pierce::Plan plan;

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "core/body/body_view.hpp"
@@ -28,14 +29,23 @@ struct MovingTree {
     std::uint64_t positions_version = 0;
 };
 
+/// Which tree is a body's.
+struct TreeUse {
+    std::uint64_t mesh_key = 0;
+    bool deforms = false;  ///< it has one of its own
+
+    friend bool operator==(const TreeUse&, const TreeUse&) = default;
+};
+
 }  // namespace
 
 struct EmbreeTracer::State {
     RTCDevice device = nullptr;
     std::unordered_map<std::uint64_t, std::unique_ptr<Tree>> still;  ///< by mesh key
     std::vector<MovingTree> moving;                                  ///< by body
-    std::vector<Tree*> trees;                                        ///< by body, for this step
-    std::vector<std::uint32_t> tests;                                ///< by ray
+    std::vector<TreeUse> uses;         ///< by body, when unused trees were last dropped
+    std::vector<Tree*> trees;          ///< by body, for this step
+    std::vector<std::uint32_t> tests;  ///< by ray
     bool many_trees = false;           ///< some body has a tree of its own
     std::vector<std::uint32_t> order;  ///< ray indices by target, so that each of many trees is
                                        ///< fetched once
@@ -87,14 +97,21 @@ void EmbreeTracer::State::sort_by_target(std::uint32_t body_count, View<const Ra
 /// Drops the trees of meshes that no body uses any more, and of bodies that were removed or no
 /// longer deform.
 void EmbreeTracer::State::forget_unused(View<const BodyView> bodies) {
-    moving.resize(bodies.size);
-    std::unordered_map<std::uint64_t, bool> used;
-    for (std::uint32_t b = 0; b < bodies.size; ++b) {
+    const auto use_of = [&](std::uint32_t b) {
         const bool deforms = bodies[b].motion == Motion::deforming && bodies[b].mesh_key != 0;
-        if (!deforms) {
-            moving[b] = {};
-            used[bodies[b].mesh_key] = true;
-        }
+        return TreeUse{bodies[b].mesh_key, deforms};
+    };
+    bool same = uses.size() == bodies.size;
+    for (std::uint32_t b = 0; b < bodies.size && same; ++b) same = uses[b] == use_of(b);
+    if (same) return;
+    uses.clear();
+    moving.resize(bodies.size);
+    std::unordered_set<std::uint64_t> used;
+    for (std::uint32_t b = 0; b < bodies.size; ++b) {
+        uses.push_back(use_of(b));
+        if (uses[b].deforms) continue;
+        moving[b] = {};
+        used.insert(uses[b].mesh_key);
     }
     std::erase_if(still, [&](const auto& entry) { return !used.contains(entry.first); });
 }

@@ -227,6 +227,20 @@ std::vector<std::vector<NearBody>> World::State::near_bodies() const {
     return near;
 }
 
+/// True for a mesh that was made here, or that a body of this rank has. What is only here as other
+/// ranks have sent it need not be known there: two ranks could keep it for each other for ever.
+bool World::State::has_mesh(std::uint64_t key) const {
+    const auto known = known_meshes.find(key);
+    const MeshId sent = known != known_meshes.end() ? known->second.here : MeshId{};
+    const auto& slots = inside.meshes.slots();
+    for (std::uint32_t m = 0; m < slots.size(); ++m)
+        if (slots[m].used && slots[m].thing.key == key && MeshId{m, slots[m].generation} != sent)
+            return true;
+    return sent && std::ranges::any_of(own, [&](std::uint32_t b) {
+               return inside.bodies.slots()[b].thing.mesh == sent;
+           });
+}
+
 GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBody>& near) {
     OtherRank& other = others[to];
     GhostMessage message;
@@ -267,9 +281,7 @@ GhostMessage World::State::message_to(std::uint32_t to, const std::vector<NearBo
     other.has = std::move(has);
     other.got.insert(other.meshes.begin(), other.meshes.end());
     for (auto key = other.got.begin(); key != other.got.end();) {
-        const bool is_kept = std::ranges::any_of(inside.meshes.slots(), [&](const auto& slot) {
-            return slot.used && slot.thing.key == *key;
-        });
+        const bool is_kept = has_mesh(*key);
         if (!is_kept) {
             message.forgotten.push_back(*key);
             other.meshes.erase(*key);

@@ -144,6 +144,7 @@ struct World::State {
     void bring_places(std::vector<std::vector<NearBody>>& near);
     /// Per rank, the own bodies that are near it, by number.
     std::vector<std::vector<NearBody>> near_bodies() const;
+    bool has_mesh(std::uint64_t key) const;
     GhostMessage message_to(std::uint32_t other, const std::vector<NearBody>& near);
     /// Adds where a body is now, if others do not know.
     void add_moved(std::vector<MovedBody>& all, std::uint32_t number) const;

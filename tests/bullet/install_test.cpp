@@ -499,6 +499,74 @@ TEST(InstallTest, TheProgramsOwnCallbackChangesPoints) {
               btScalar(0.125));
 }
 
+int points_without_directions = 0;
+
+bool looks_at_directions(btManifoldPoint& point, const btCollisionObjectWrapper*, int, int,
+                         const btCollisionObjectWrapper*, int, int) {
+    ++callbacks;
+    const btVector3& normal = point.m_normalWorldOnB;
+    const bool right = std::fabs(point.m_lateralFrictionDir1.length() - 1) < 1e-5f &&
+                       std::fabs(point.m_lateralFrictionDir2.length() - 1) < 1e-5f &&
+                       std::fabs(point.m_lateralFrictionDir1.dot(normal)) < 1e-5f &&
+                       std::fabs(point.m_lateralFrictionDir2.dot(normal)) < 1e-5f;
+    points_without_directions += !right;
+    return false;
+}
+
+/// Belts move what lies on them along the directions of friction that a point comes with.
+TEST(InstallTest, PointsComeWithDirectionsOfFriction) {
+    StockWorld scene;
+    bullet::install(scene.bullet, scene.contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    scene.add(*shape->shape, 1, at(0, 0, 0));
+    btRigidBody& special = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    special.setCollisionFlags(special.getCollisionFlags() |
+                              btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
+    callbacks = points_without_directions = 0;
+    gContactAddedCallback = looks_at_directions;
+    scene.bullet.performDiscreteCollisionDetection();
+    gContactAddedCallback = nullptr;
+    EXPECT_GT(callbacks, 0);
+    EXPECT_EQ(points_without_directions, 0);
+}
+
+TEST(InstallTest, APoolThatMayNotGrowHoldsTheDeepestPoints) {
+    btDefaultCollisionConstructionInfo small;
+    small.m_defaultMaxPersistentManifoldPoolSize = 1;
+    btSoftBodyRigidBodyCollisionConfiguration configuration(small);
+    btCollisionDispatcher dispatcher(&configuration);
+    dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() |
+                                  btCollisionDispatcher::CD_DISABLE_CONTACTPOOL_DYNAMIC_ALLOCATION);
+    btDbvtBroadphase broadphase;
+    btSequentialImpulseConstraintSolver solver;
+    btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+    World contacts{bvh_backend()};
+    bullet::install(world, contacts);
+    const auto shape = MeshShape::gimpact(ring);
+    std::vector<std::unique_ptr<btRigidBody>> rings;
+    for (const float z : {0.f, 0.2f, 0.4f}) {
+        btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, shape->shape.get(), {1, 1, 1});
+        info.m_startWorldTransform = at(0.3f * z, 0, z);
+        world.addRigidBody(rings.emplace_back(std::make_unique<btRigidBody>(info)).get());
+    }
+    for (int step = 0; step < 3; ++step) {
+        world.performDiscreteCollisionDetection();
+        ASSERT_EQ(dispatcher.getNumManifolds(), 1);
+        const btPersistentManifold& only = *dispatcher.getManifoldByIndexInternal(0);
+        ASSERT_EQ(only.getNumContacts(), MANIFOLD_CACHE_SIZE);
+        double deepest = 0, kept = 0;
+        for (const Contact& c : contacts.contacts()) {
+            const bool is_pair = (c.a.index == 0 && c.b.index == 1);
+            if (is_pair) deepest = std::max(deepest, c.penetration_depth());
+        }
+        for (int i = 0; i < only.getNumContacts(); ++i)
+            kept = std::max(kept, -static_cast<double>(only.getContactPoint(i).getDistance()));
+        EXPECT_GT(kept, 0.5 * deepest);
+    }
+    bullet::uninstall(world);
+    for (const auto& ring_body : rings) world.removeRigidBody(ring_body.get());
+}
+
 /// Impulses stay with their vertices: a body at rest that may not sleep is held up by them.
 TEST(InstallTest, PointsKeepTheirImpulsesAtRest) {
     StockWorld scene(10);

@@ -143,6 +143,7 @@ static void questions(void) {
     pierce_translation way = {.struct_size = sizeof way};
     pierce_common_volume common = {.struct_size = sizeof common};
     const pierce_impact* impacts = NULL;
+    const pierce_impact* ahead = NULL;
     const double origin[3] = {0, 0, 9}, lines[6] = {0.1, 0, -1, 0, 0, 1};
     const double points[6] = {1, 0, 0, 40, 0, 0}, normals[6] = {0, 0, 1, 0, 0, 1};
     const double far_away[7] = {0, 0, 9, 0, 0, 0, 1}, beyond[7] = {0, 0, -9, 0, 0, 0, 1};
@@ -179,6 +180,8 @@ static void questions(void) {
     WORKS(pierce_impacts(s.world, 1, &impacts, &count));
     CHECK(count == 1 && impacts[0].a == s.below && impacts[0].b == s.above);
     CHECK(count == 1 && impacts[0].time > 0.4 && impacts[0].time < 0.5);
+    WORKS(pierce_impacts_ahead(s.world, &s.above, 1, far_away, 4, &ahead, &count));
+    CHECK(count == 0 && impacts[0].a == s.below && impacts[0].b == s.above);
     WORKS(pierce_overlap(s.world, s.below, s.above, 0.9, &common));
     CHECK(common.exists == 0 && common.volume == 0 && common.patch_count == 0);
     WORKS(pierce_parting(s.world, s.below, s.above, &way));

@@ -219,7 +219,6 @@ TEST_P(MarginTest, AContactGoesThroughTouchWithoutAJump) {
             world.set_pose(above, {{0.1, 0.05, height}, across.rotation});
             world.detect();
             const auto deepest = std::ranges::min_element(world.contacts(), {}, &Contact::distance);
-            if (std::fabs(height) < 1e-9) continue;
             ASSERT_NE(deepest, world.contacts().end()) << "step " << step;
             EXPECT_EQ(deepest->is_edge(), edges);
             EXPECT_NEAR(deepest->distance, height, 1e-6) << "step " << step;
@@ -285,6 +284,74 @@ TEST_P(MarginTest, BackendsAndMemoriesAgree) {
                 }
             }
             EXPECT_GT(near, 50u);
+        }
+    }
+}
+
+TEST_P(MarginTest, WhatTouchesHasTheNormalOfTheSurface) {
+    const MeshData plate = scenes::box({-2, -2, -1}, {2, 2, 0}),
+                   cube = scenes::box({-0.5, -0.5, 0}, {0.5, 0.5, 1});
+    for (const double margin : {0.0, 0.1})
+        for (const Coverage coverage : {Coverage::vertices, Coverage::overlaps, Coverage::complete})
+            for (const bool equal : {false, true}) {
+                Settings settings;
+                settings.margin = margin;
+                settings.coverage = coverage;
+                World world(GetParam().make(), settings);
+                world.add_fixed_body(world.add_mesh(
+                    "below", equal ? scenes::box({-0.5, -0.5, -1}, {0.5, 0.5, 0}) : plate));
+                const BodyId above = world.add_rigid_body(world.add_mesh("cube", cube));
+                for (const double height : {1e-6, 1e-7, 0.0, -1e-7, -1e-6}) {
+                    SCOPED_TRACE(testing::Message() << "margin " << margin << ", height " << height
+                                                    << (equal ? ", equal boxes" : ""));
+                    world.set_pose(above, {{0, 0, height}, {}});
+                    world.detect();
+                    if (margin > 0 || (height <= 0 && !equal)) {
+                        EXPECT_GE(world.contacts().size(), 4u);
+                    }
+                    // A vertex of one box that has gone into the other one touches its sides, too.
+                    for (const Contact& c : world.contacts()) {
+                        const bool is_side = equal && height < 0 && !(c.distance < 0);
+                        EXPECT_NEAR(is_side ? 1 : std::fabs(c.normal.z), 1, 1e-6) << c.vertex;
+                    }
+                }
+            }
+}
+
+TEST_P(MarginTest, EdgesThatTouchAreInContact) {
+    // Two roofs, the ridge of one across that of the other.
+    const MeshData roof = {
+        {{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},
+        {{{0, 2, 3}},
+         {{0, 3, 1}},
+         {{0, 1, 5}},
+         {{0, 5, 4}},
+         {{2, 4, 5}},
+         {{2, 5, 3}},
+         {{0, 4, 2}},
+         {{1, 3, 5}}}};
+    for (const double size : {1.0, 1024.0}) {
+        Settings settings;
+        settings.margin = 0.1 * size;
+        settings.coverage = Coverage::complete;
+        World world(GetParam().make(), settings);
+        MeshData below = roof, above;
+        for (Vec3f& p : below.positions) p = static_cast<float>(size) * p;
+        above = below;
+        for (Vec3f& p : above.positions) p = {p.y, p.x, -p.z};
+        world.add_fixed_body(world.add_mesh("below", below));
+        const BodyId body = world.add_rigid_body(world.add_mesh("above", above));
+        std::uint32_t age = 0;
+        for (const double gap : {1e-4, 4e-6, 2e-6, 1e-6, 1e-7, 0.0, -1e-7, -1e-6}) {
+            SCOPED_TRACE(testing::Message() << "size " << size << ", gap " << gap);
+            world.set_pose(body, {{0.25 * size, 0.125 * size, gap * size}, {}});
+            world.detect();
+            ASSERT_EQ(world.contacts().size(), 1u);
+            const Contact& c = world.contacts()[0];
+            EXPECT_TRUE(c.is_edge());
+            EXPECT_NEAR(c.distance, gap * size, 5e-6 * size);
+            EXPECT_NEAR(c.normal.z, 1, 1e-6);
+            EXPECT_EQ(c.age, age++);
         }
     }
 }

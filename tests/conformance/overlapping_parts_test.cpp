@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -361,6 +362,59 @@ TEST_P(OverlappingPartsTest, EdgesAreInContactWhereTheUnionIs) {
         EXPECT_GE(edges.size(), 4u);
         EXPECT_EQ(std::ranges::adjacent_find(edges), edges.end());
     }
+}
+
+/// A tetrahedron whose first two vertices are `one` and `other`, and the same with these two in the
+/// other order.
+std::array<MeshData, 2> numbered_both_ways(Vec3f one, Vec3f other, Vec3f third, Vec3f fourth) {
+    MeshData mesh{{one, other, third, fourth},
+                  {{{0, 2, 1}}, {{0, 1, 3}}, {{1, 2, 3}}, {{0, 3, 2}}}};
+    if (!(dot(cross(other - one, third - one), fourth - one) > 0))
+        mesh = turned_inside_out(std::move(mesh));
+    MeshData swapped = mesh;
+    std::swap(swapped.positions[0], swapped.positions[1]);
+    return {mesh, turned_inside_out(std::move(swapped))};
+}
+
+/// The depths of contacts, in ascending order.
+std::vector<double> depths(const World& world) {
+    std::vector<double> depths;
+    for (const Contact& c : world.contacts()) depths.push_back(c.penetration_depth());
+    std::ranges::sort(depths);
+    return depths;
+}
+
+TEST_P(OverlappingPartsTest, EdgesAreTheSameFromEitherEnd) {
+    const MeshData one = scenes::box({0, 0, 0}, {2, 2, 1}),
+                   two = joined(one, scenes::box({1, 0.5f, -0.5f}, {3, 1.5f, 1.5f}));
+    struct Case {
+        const char* what;
+        const MeshData& target;
+        std::array<MeshData, 2> source;
+    };
+    const Case cases[] = {
+        {"an end in one part, through the other", two,
+         numbered_both_ways({0.5f, 1, 0.95f}, {4, 1, 1.2f}, {0.3f, 0.8f, 3}, {0.3f, 1.2f, 3})},
+        {"an end on the surface of one part, through both", two,
+         numbered_both_ways({0.5f, 1, 1}, {4, 1, 0.2f}, {0.3f, 0.8f, 3}, {0.3f, 1.2f, 3})},
+        {"an end on the surface", one,
+         numbered_both_ways({1, 1, 1}, {4, 1, -0.5f}, {1.2f, 1.8f, 0.999f}, {4, 0.8f, 2})}};
+    for (const Case& c : cases)
+        for (const Coverage coverage : {Coverage::overlaps, Coverage::complete}) {
+            SCOPED_TRACE(testing::Message() << c.what << ", " << static_cast<int>(coverage));
+            std::vector<double> found[2];
+            for (std::size_t k = 0; k < 2; ++k) {
+                World world(GetParam().make(), {.coverage = coverage});
+                world.add_fixed_body(world.add_mesh("target", c.target));
+                world.add_rigid_body(world.add_mesh("source", c.source[k]));
+                world.detect();
+                found[k] = depths(world);
+            }
+            ASSERT_EQ(found[0].size(), found[1].size());
+            EXPECT_GT(found[0].size(), 0u);
+            for (std::size_t i = 0; i < found[0].size(); ++i)
+                EXPECT_NEAR(found[0][i], found[1][i], 1e-9);
+        }
 }
 
 TEST_P(OverlappingPartsTest, ASavedWorldUnitesThem) {

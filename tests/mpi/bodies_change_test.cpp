@@ -8,9 +8,11 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "core/world/world_state.hpp"
 #include "pierce/contact_hash.hpp"
 #include "pierce/embree_backend.hpp"
 #include "pierce/error.hpp"
@@ -234,6 +236,46 @@ TEST_F(RanksChangeTest, AMeshThatHasArrivedIsRemovedAndComesAgain) {
     set_pose(3, at(8.5));
     EXPECT_GT(step(), 10u);
     EXPECT_GT(step(), 10u);
+}
+
+TEST_F(RanksChangeTest, MeshesThatCameBackAreKeptByNoRankForTheOther) {
+    const MeshId first = add_mesh(cube());
+    for (std::uint32_t b = 0; b < 2; ++b)
+        add_rigid(static_cast<int>(b) % many->ranks(), b, first, at(50.0 * b));
+    const auto used = [&] {
+        const auto& slots = WorldInside::state(many->nearby()).meshes.slots();
+        return std::ranges::count_if(slots, [](const auto& slot) { return slot.used; });
+    };
+    const auto remove_all = [&] {
+        const auto count = WorldInside::state(many->nearby()).meshes.slots().size();
+        for (std::uint32_t m = 0; m < count; ++m) {
+            const auto& slot = WorldInside::state(many->nearby()).meshes.slots()[m];
+            if (slot.used) message_of([&] { many->remove_mesh({m, slot.generation}); });
+        }
+    };
+    std::ptrdiff_t after_few = 0;
+    for (int round = 0; round < 8; ++round) {
+        // Bodies go to other ranks and back, and then get another mesh.
+        for (const bool swapped : {true, false}) {
+            for (std::uint32_t b = 0; b < 2; ++b)
+                set_pose(b, at(swapped ? 50 - 50.0 * b : 50.0 * b));
+            many->migrate();
+            step();
+        }
+        const MeshId in_one = one->add_mesh("other", cube()),
+                     in_many = many->add_mesh("other", cube());
+        for (std::uint32_t b = 0; b < 2; ++b)
+            on_owner(b, [&](auto& world, BodyId id) {
+                constexpr bool is_one = std::is_same_v<decltype(world), World&>;
+                world.set_mesh(id, is_one ? in_one : in_many);
+            });
+        for (int k = 0; k < 3; ++k) {
+            remove_all();
+            step();
+        }
+        if (round == 2) after_few = used();
+    }
+    EXPECT_LE(used(), after_few);
 }
 
 TEST_F(RanksChangeTest, AMeshThatTwoRanksHaveSentIsRemovedByOne) {

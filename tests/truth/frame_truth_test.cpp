@@ -72,6 +72,17 @@ TEST_F(FrameTruthTest, CubesInTheGround) {
     EXPECT_EQ(RecordingTruth(recording).at(0, false).overlapping, truth.overlapping);
 }
 
+TEST_F(FrameTruthTest, BodiesThatDoNotMeetAreNoPair) {
+    add_two_cubes_on_ground();
+    recording.bodies[2].filter.world = 1;
+    EXPECT_EQ(RecordingTruth(recording).at(0).overlapping, (Bodies{{0, 2}, {0, 3}}));
+    recording.bodies[0].filter.world = 2;
+    EXPECT_EQ(RecordingTruth(recording).at(0).overlapping, (Bodies{{0, 3}}));
+    recording.excluded = {{0, 3}};
+    EXPECT_THAT(RecordingTruth(recording).at(0).overlapping, IsEmpty());
+    EXPECT_THAT(RecordingTruth(recording).at(0).inside, IsEmpty());
+}
+
 TEST_F(FrameTruthTest, ACubeOnTheGroundOverlapsItWithNothingInside) {
     add(add_mesh(box({-5, -5, -1}, {5, 5, 0})), Motion::fixed, pose({}));
     add(add_mesh(cube(0.5)), Motion::rigid, pose({1, 2, 0.5f}));

@@ -143,6 +143,9 @@ TEST_F(SheetTruthTest, OnlySheetsAreLookedAtAndOnlyIfAsked) {
     EXPECT_THAT(meetings(), IsEmpty());
     add_fixed(box({-1, -1, -1}, {1, 1, -0.1f}));
     EXPECT_FALSE(meetings().empty()) << "with another body, sheets always";
+    recording.excluded = {{0, 1}};
+    EXPECT_THAT(meetings(), IsEmpty());
+    recording.excluded.clear();
     recording.bodies[0].collision.sheet = false;
     EXPECT_THAT(meetings(), IsEmpty());
 }

@@ -67,11 +67,15 @@ public:
         return thing;
     }
 
+    /// True if the handle names a thing.
+    bool contains(Id<Tag> id) const {
+        return id.index < slots_.size() && slots_[id.index].used &&
+               slots_[id.index].generation == id.generation;
+    }
     /// Throws InputError, naming `what`, for a handle that names no thing.
     Thing& get(Id<Tag> id, const char* what) {
         if (!id) throw InputError(std::string(what) + " handle is null");
-        if (id.index >= slots_.size() || !slots_[id.index].used ||
-            slots_[id.index].generation != id.generation)
+        if (!contains(id))
             throw InputError(std::string(what) + " " + std::to_string(id.index) +
                              " was removed or is not of this world");
         return slots_[id.index].thing;

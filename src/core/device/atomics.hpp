@@ -72,13 +72,22 @@ PIERCE_HD inline void atomic_max(std::uint32_t& target, std::uint32_t value) {
 #endif
 }
 
+/// What stands there while other items may set bits. It orders no other memory access.
+PIERCE_HD inline std::uint32_t atomic_read(const std::uint32_t& target) {
+#if defined(__CUDA_ARCH__)
+    return *static_cast<const volatile std::uint32_t*>(&target);
+#else
+    return __atomic_load_n(&target, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Sets some bits; any number of items may do so. It orders no other memory access.
 PIERCE_HD inline void atomic_set(std::uint32_t& target, std::uint32_t bits) {
+    if ((atomic_read(target) & bits) == bits) return;
 #if defined(__CUDA_ARCH__)
-    if ((*static_cast<volatile std::uint32_t*>(&target) & bits) != bits) atomicOr(&target, bits);
+    atomicOr(&target, bits);
 #else
-    if ((__atomic_load_n(&target, __ATOMIC_RELAXED) & bits) != bits)
-        __atomic_fetch_or(&target, bits, __ATOMIC_RELAXED);
+    __atomic_fetch_or(&target, bits, __ATOMIC_RELAXED);
 #endif
 }
 

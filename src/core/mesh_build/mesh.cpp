@@ -53,7 +53,8 @@ void check_mesh_data(const std::string& name, const MeshData& data) {
                                  std::to_string(data.positions.size()));
     Box box;
     for (const Vec3f p : data.positions) box.extend(to_double(p));
-    if (is_too_small(box)) throw InputError("mesh '" + name + "' is too small");
+    if (is_too_small(box))
+        throw InputError("mesh '" + name + "' is too small: it is less than 2^-60 across");
     if (std::max(data.positions.size(), 3 * data.triangles.size()) > constants::max_elements)
         throw InputError("mesh '" + name + "' has more than " +
                          std::to_string(constants::max_elements) + " vertices or corners");

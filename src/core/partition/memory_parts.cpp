@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/pairs.hpp"
 
 namespace pierce {
@@ -68,7 +69,7 @@ private:
 
     void take_pair(const Place& at) {
         const StepMemory& f = from_[at.memory];
-        const std::uint64_t here = joined_.pair_keys.size();
+        const auto here = static_cast<std::uint32_t>(joined_.pair_keys.size());
         joined_.pair_keys.push_back(f.pair_keys[at.pair]);
         joined_.identities.push_back(f.identities[at.pair]);
         if (!f.deepest.empty()) joined_.deepest.push_back(f.deepest[at.pair]);
@@ -89,40 +90,35 @@ private:
         return static_cast<std::uint32_t>(blocks);
     }
 
-    void take_contacts(const Place& at, std::uint64_t here) {
-        constexpr int shift = 32;
+    void take_contacts(const Place& at, std::uint32_t here) {
         const StepMemory& f = from_[at.memory];
-        for (std::size_t c = first_of(f.contact_keys, at.pair, shift);
-             c < f.contact_keys.size() && f.contact_keys[c] >> shift == at.pair; ++c) {
+        for (std::size_t c = first_of(f.contact_keys, at.pair, ContactKey::pair_of);
+             c < f.contact_keys.size() && ContactKey::pair_of(f.contact_keys[c]) == at.pair; ++c) {
             moved_[at.memory][c] = static_cast<std::uint32_t>(joined_.contact_keys.size());
-            const std::uint64_t feature = f.contact_keys[c] & ((std::uint64_t{1} << shift) - 1);
-            joined_.contact_keys.push_back(here << shift | feature);
+            joined_.contact_keys.push_back(ContactKey::in_pair(here, f.contact_keys[c]));
             joined_.ages.push_back(f.ages[c]);
             if (!f.contacts.empty()) joined_.contacts.push_back(f.contacts[c]);
         }
     }
 
-    void take_sheet_records(const Place& at, std::uint64_t here) {
+    void take_sheet_records(const Place& at, std::uint32_t here) {
         const StepMemory& f = from_[at.memory];
-        // A key is the pair, the kind of the feature, and its number in so many bits, of which
-        // parts may have more or fewer (stages::feature_key).
-        constexpr int kind_bits = 3;
-        const int bits = static_cast<int>(f.sheet_bits), shift = bits + kind_bits,
-                  now = static_cast<int>(joined_.sheet_bits);
-        for (std::size_t r = first_of(f.sheet_keys, at.pair, shift);
-             r < f.sheet_keys.size() && f.sheet_keys[r] >> shift == at.pair; ++r) {
-            const std::uint64_t kind = f.sheet_keys[r] >> bits & ((1u << kind_bits) - 1),
-                                number = f.sheet_keys[r] & ((std::uint64_t{1} << bits) - 1);
-            joined_.sheet_keys.push_back((here << kind_bits | kind) << now | number);
+        const SheetKey before{f.sheet_bits}, now{joined_.sheet_bits};
+        const auto pair_of = [&](std::uint64_t key) { return before.pair_of(key); };
+        for (std::size_t r = first_of(f.sheet_keys, at.pair, pair_of);
+             r < f.sheet_keys.size() && pair_of(f.sheet_keys[r]) == at.pair; ++r) {
+            const std::uint64_t key = f.sheet_keys[r];
+            joined_.sheet_keys.push_back(now.of(here, before.kind_of(key), before.item_of(key)));
             joined_.sheet_records.push_back(f.sheet_records[r]);
         }
     }
 
     /// Where the items of a pair begin in a list of keys that begin with the pair.
+    template <class PairOf>
     static std::size_t first_of(const std::vector<std::uint64_t>& keys, std::size_t pair,
-                                int shift) {
-        return static_cast<std::size_t>(
-            std::ranges::lower_bound(keys, std::uint64_t{pair} << shift) - keys.begin());
+                                const PairOf& pair_of) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(keys, pair, {}, pair_of) -
+                                        keys.begin());
     }
 
     std::span<const StepMemory> from_;

@@ -8,9 +8,9 @@
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/patch.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/pairs.hpp"
 #include "core/step/common/records.hpp"
-#include "core/step/sheets/sheet_features.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "pierce/error.hpp"
 
@@ -128,7 +128,7 @@ private:
 
     void check_contact(std::size_t i) const {
         const Contact& c = memory_.contacts[i];
-        const Known k = known(memory_.contact_keys[i] >> 32);
+        const Known k = known(ContactKey::pair_of(memory_.contact_keys[i]));
         if (!k.is_known) return;
         require(c.a == ids_[k.pair.a] && c.b == ids_[k.pair.b]);
         const auto side = static_cast<std::uint32_t>(c.source);
@@ -138,16 +138,14 @@ private:
     }
 
     void check_sheet_record(std::size_t i) const {
-        const std::uint64_t key = memory_.sheet_keys[i];
-        const Known k = known(stages::pair_of(key, memory_.sheet_bits));
+        const SheetKey sheet_key{memory_.sheet_bits};
+        const Known k = known(sheet_key.pair_of(memory_.sheet_keys[i]));
         if (!k.is_known) return;
-        const auto kind = static_cast<stages::FeatureKind>(key >> memory_.sheet_bits & 7);
+        const FeatureKind kind = sheet_key.kind_of(memory_.sheet_keys[i]);
         const SheetRecord& record = memory_.sheet_records[i];
         require(record.side >= -1 && record.side <= 1);
-        if (kind == stages::FeatureKind::vertex_of_a)
-            require(record.other < k.b.mesh.triangles.size);
-        if (kind == stages::FeatureKind::vertex_of_b)
-            require(record.other < k.a.mesh.triangles.size);
+        if (kind == FeatureKind::vertex_of_a) require(record.other < k.b.mesh.triangles.size);
+        if (kind == FeatureKind::vertex_of_b) require(record.other < k.a.mesh.triangles.size);
     }
 
     const StepMemory& memory_;

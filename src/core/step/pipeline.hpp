@@ -10,6 +10,7 @@
 #include "core/execute/stage_timer.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "core/step/common/bounds.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/count.hpp"
 #include "core/step/common/frame_fit.hpp"
 #include "core/step/common/pairs.hpp"
@@ -163,10 +164,10 @@ public:
         if (plan.settings.temporal == Temporal::certified) {
             stats.certified = executor_.read(sums_.skipped);
             stats.looks = executor_.read(sums_.looked);
+            stats.proofs = executor_.read(sums_.proofs);
         }
         stats.predictions = executor_.read(sums_.predicted);
         stats.full_passes = executor_.read(sums_.full_passes);
-        stats.proofs = executor_.number(count_of(routes_.uncertain));
     }
 
     /// Makes this step's records those of the last step.
@@ -609,7 +610,8 @@ private:
     /// Sorts the contacts' keys. With margins it leaves out vertices that are near and in contact
     /// by a ray, too.
     void sort_contacts(bool margins) {
-        const int bits = 32 + std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
+        const int bits = ContactKey::pair_shift +
+                         std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
         if (!margins)
             return tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         tools_.sort(bits, sort_.keys, sort_.values, with_duplicates_.keys, with_duplicates_.order);
@@ -720,19 +722,22 @@ private:
                            stages::LimitToCertificate{scene.bodies, view_of(routes_.full_hits),
                                                       view_of(routes_.full_rays)});
         const View<const std::uint32_t> closest = tools_.closest(scene.bodies, routes_.full_rays);
-        executor_.for_each(uncertain, stages::Certify{.bodies = scene.bodies,
-                                                      .directed = view_of(cull_.directed),
-                                                      .sources = view_of(batch_.sources),
-                                                      .slots = view_of(routes_.full),
-                                                      .uncertain = view_of(routes_.uncertain),
-                                                      .limited = view_of(routes_.full_rays),
-                                                      .closest = closest,
-                                                      .records = view_of(now_.vertices)});
+        executor_.reduce(uncertain,
+                         stages::Certify{.bodies = scene.bodies,
+                                         .directed = view_of(cull_.directed),
+                                         .sources = view_of(batch_.sources),
+                                         .slots = view_of(routes_.full),
+                                         .uncertain = view_of(routes_.uncertain),
+                                         .limited = view_of(routes_.full_rays),
+                                         .closest = closest,
+                                         .records = view_of(now_.vertices)},
+                         sums_.proofs);
     }
 
     // statistics: What the step did.
     void count(const Plan& plan) {
-        if (plan.sheets) sheets_.add_up(sums_.sheet_contacts);
+        if (plan.sheets)
+            sheets_.add_up(view_of(std::as_const(now_.contact_keys)), sums_.sheet_contacts);
         if (!plan.remembers()) return;
         executor_.reduce(count_of(routes_.counts), stages::CountWalk{view_of(routes_.counts)},
                          sums_.walks);

@@ -181,7 +181,8 @@ struct StepSums {
 
     Sum<stages::ContactSums> contacts, sheet_contacts;
     Sum<stages::WalkSums> walks;
-    Sum<std::uint32_t> hits{}, own_rays{}, skipped{}, looked{}, predicted{}, full_passes{};
+    Sum<std::uint32_t> hits{}, own_rays{}, skipped{}, looked{}, predicted{}, full_passes{},
+        proofs{};
 };
 
 }  // namespace pierce

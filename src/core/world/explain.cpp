@@ -238,7 +238,8 @@ Explanation World::explain(BodyId body, BodyId other, std::uint32_t vertex) {
         result.contact = found.front();
         result.reason = Reason::contact;
     } else if (result.reason == Reason::contact) {
-        result.reason = Reason::not_looked_at;
+        result.reason = state_->plan.settings.temporal == Temporal::paper ? Reason::not_looked_at
+                                                                          : Reason::unexplained;
     }
     return result;
 }

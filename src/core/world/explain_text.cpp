@@ -152,6 +152,10 @@ std::string Explanation::text() const {
             s = "No contact in this step: the vertex is inside, but is not looked at before the "
                 "pair's next full pass.";
             break;
+        case Reason::unexplained:
+            s = "No contact in this step, although the vertex is inside: the two disagree, which "
+                "is a defect of Pierce. Please report it with a saved world.";
+            break;
     }
     if (certificate.kind != Certificate::none) {
         constexpr const char* who[] = {

@@ -1,5 +1,7 @@
-#include <algorithm>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/world/world_state.hpp"
 #include "pierce/mesh.hpp"
@@ -12,23 +14,17 @@ namespace {
 std::string why_open(const Mesh& mesh) {
     if (mesh.traits().closed()) return "closed, but without an inside";
     return "open (" + std::to_string(mesh.traits().inconsistent_edges) +
-           " edges without a partner of opposite direction; " + pierce::describe(mesh.inside()) +
-           ")";
+           " edges without a partner of opposite direction; " + describe(mesh.inside()) + ")";
 }
 
-}  // namespace
-
-void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
-    plan.fixed_bodies += body.motion == Motion::fixed;
-    plan.rigid_bodies += body.motion == Motion::rigid;
-    plan.deforming_bodies += body.motion == Motion::deforming;
-    plan.open_bodies += !mesh.inside().exists();
+/// What there is to know about the bodies of a mesh that are sheets, or that are none.
+std::vector<std::string> notes_of(const Mesh& mesh, bool is_sheet) {
+    std::vector<std::string> notes;
     const auto note = [&](const std::string& text) {
-        const std::string line = "mesh '" + mesh.name() + "': " + text;
-        if (std::ranges::find(plan.notes, line) == plan.notes.end()) plan.notes.push_back(line);
+        notes.push_back("mesh '" + mesh.name() + "': " + text);
     };
     const MeshTraits& traits = mesh.traits();
-    if (body.collision.sheet)
+    if (is_sheet)
         note(
             "sheet: contacts of its surface over the motion of a step, whatever is inside or "
             "outside");
@@ -40,12 +36,30 @@ void World::State::describe(const BodyEntry& body, const Mesh& mesh) {
         note(
             "inside out (negative volume): its normals point inward, so rays start in the wrong "
             "direction");
-    if (!body.collision.sheet &&
-        (mesh.inside().rule == Inside::winding || mesh.inside().covered_triangles > 0))
-        note(pierce::describe(mesh.inside()));
+    if (!is_sheet && (mesh.inside().rule == Inside::winding || mesh.inside().covered_triangles > 0))
+        note(describe(mesh.inside()));
     if (traits.degenerate_triangles > 0)
         note(std::to_string(traits.degenerate_triangles) +
              " triangles have no area and are never hit");
+    return notes;
 }
 
+}  // namespace
+
+void World::State::describe_bodies() {
+    std::set<std::pair<const Mesh*, bool>> described;  // meshes, as those of sheets or of others
+    std::set<std::string> lines;
+    for (const auto& slot : bodies.slots()) {
+        if (!slot.used) continue;
+        const BodyEntry& body = slot.thing;
+        const Mesh& mesh = mesh_of(body);
+        plan.fixed_bodies += body.motion == Motion::fixed;
+        plan.rigid_bodies += body.motion == Motion::rigid;
+        plan.deforming_bodies += body.motion == Motion::deforming;
+        plan.open_bodies += !mesh.inside().exists();
+        if (!described.emplace(&mesh, body.collision.sheet).second) continue;
+        for (std::string& line : notes_of(mesh, body.collision.sheet))
+            if (lines.insert(line).second) plan.notes.push_back(std::move(line));
+    }
+}
 }  // namespace pierce

@@ -151,7 +151,7 @@ void World::set_mesh(BodyId body, MeshId mesh, std::span<const Vec3f> positions)
     const Mesh& shape = this->mesh(mesh);
     if (entry.motion != Motion::deforming)
         throw InputError("body " + std::to_string(body.index) +
-                         " is rigid: its mesh is set without positions");
+                         " does not deform: its mesh is set without positions");
     check_count(positions.size(), shape);
     state_->check_collision(entry.motion, shape, entry.collision,
                             "body " + std::to_string(body.index));

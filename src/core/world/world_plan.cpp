@@ -191,8 +191,7 @@ void World::State::decide_plan() {
 
     plan.traces_own_exits = plan.casts_rays && !plan.settings.inside_is_contact() &&
                             (kinds.deforming || plan.is_complete());
-    for (const auto& slot : bodies.slots())
-        if (slot.used) describe(slot.thing, mesh_of(slot.thing));
+    describe_bodies();
     plan.measures_deformation = plan.deforming_bodies > 0;
 }
 

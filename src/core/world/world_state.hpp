@@ -232,7 +232,9 @@ struct World::State {
     double margin_of(const BodyEntry& body) const;
     void list_blocks();
     void list_nodes();
-    void describe(const BodyEntry& body, const Mesh& mesh);
+    void describe_bodies();
+    /// Throws InputError for bodies that do not exist, and for a body and itself.
+    void check_pair(BodyId a, BodyId b) const;
     /// To be called before a body gets a new place: its present place becomes the place where the
     /// step begins. The positions of a deforming body are undefined afterwards.
     BodyEntry& begin_motion(BodyId body);

@@ -53,22 +53,33 @@ const Filter& World::filter_of(BodyId body) const {
     return state_->bodies.get(body, "body").filter;
 }
 
-void World::exclude(BodyId a, BodyId b) {
-    state_->bodies.get(a, "body");
-    state_->bodies.get(b, "body");
+void World::State::check_pair(BodyId a, BodyId b) const {
+    bodies.get(a, "body");
+    bodies.get(b, "body");
     if (a == b)
         throw InputError(
             "a body and itself are no pair that can be excluded: Collision::self says "
             "whether it meets itself");
+}
+
+void World::exclude(BodyId a, BodyId b) {
+    state_->check_pair(a, b);
     state_->excluded.insert({a, b});
     state_->change();
 }
 
 void World::include(BodyId a, BodyId b) {
-    state_->bodies.get(a, "body");
-    state_->bodies.get(b, "body");
+    state_->check_pair(a, b);
     state_->excluded.erase({a, b});
     state_->change();
+}
+
+std::vector<std::pair<BodyId, BodyId>> World::excluded_pairs() const {
+    std::vector<std::pair<BodyId, BodyId>> pairs;
+    for (const BodyIdPair& p : state_->excluded)
+        if (state_->bodies.contains(p.a) && state_->bodies.contains(p.b))
+            pairs.emplace_back(p.a, p.b);
+    return pairs;
 }
 
 void World::set_pair_filter(PairFilter filter) {
@@ -130,7 +141,7 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     // in all worlds.
     std::vector<BodyIdPair> within;
     for (const BodyIdPair& p : s.excluded) {
-        const auto is_here = [&](BodyId id) { return std::ranges::count(originals, id) > 0; };
+        const auto is_here = [&](BodyId id) { return std::ranges::binary_search(originals, id); };
         if (is_here(p.a) || is_here(p.b)) within.push_back(p);
     }
     s.change();
@@ -145,8 +156,8 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
             made.push_back(s.bodies.add(std::move(body)));
         }
         const auto copy_in_world = [&](BodyId id) {
-            const auto at = std::ranges::find(originals, id);
-            return at == originals.end()
+            const auto at = std::ranges::lower_bound(originals, id);
+            return at == originals.end() || *at != id
                        ? id
                        : made[begin + static_cast<std::size_t>(at - originals.begin())];
         };
@@ -156,7 +167,8 @@ std::int32_t World::replicate(std::int32_t world, std::uint32_t count) {
     try {
         for (std::uint32_t k = 0; k < count; ++k) make(static_cast<std::int32_t>(first + k));
     } catch (...) {
-        const auto is_made = [&](BodyId id) { return std::ranges::count(made, id) > 0; };
+        std::ranges::sort(made);
+        const auto is_made = [&](BodyId id) { return std::ranges::binary_search(made, id); };
         std::erase_if(s.excluded,
                       [&](const BodyIdPair& p) { return is_made(p.a) || is_made(p.b); });
         for (const BodyId id : made) s.bodies.take(id, "body");

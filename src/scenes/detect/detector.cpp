@@ -10,6 +10,7 @@
 #include "scenes/detect/bullet_result.hpp"
 #include "scenes/detect/fcl_detector.hpp"
 #include "scenes/detect/soft_sheet.hpp"
+#include "scenes/named/pair_rules.hpp"
 
 namespace pierce::scenes {
 namespace {
@@ -103,12 +104,34 @@ private:
     std::vector<bool> is_placed_;
 };
 
+/// Tells Bullet's broadphase which bodies meet. Objects' user indices are places of bodies.
+class OverlapFilter : public btOverlapFilterCallback {
+public:
+    explicit OverlapFilter(const SceneSetup& scene) : rules_(scene) {}
+
+    bool needBroadphaseCollision(btBroadphaseProxy* first,
+                                 btBroadphaseProxy* second) const override {
+        return rules_.allow(body_of(first), body_of(second));
+    }
+
+private:
+    static std::uint32_t body_of(const btBroadphaseProxy* proxy) {
+        return static_cast<std::uint32_t>(
+            static_cast<const btCollisionObject*>(proxy->m_clientObject)->getUserIndex());
+    }
+
+    PairRules rules_;
+};
+
 /// Bullet's collision world without dynamics.
 class BulletDetector : public Detector {
 public:
     BulletDetector(const SceneSetup& scene, bullet::Baseline method)
-        : dispatcher_(&configuration_), world_(&dispatcher_, &broadphase_, &configuration_) {
+        : filter_(scene),
+          dispatcher_(&configuration_),
+          world_(&dispatcher_, &broadphase_, &configuration_) {
         register_baseline(dispatcher_);
+        broadphase_.getOverlappingPairCache()->setOverlapFilterCallback(&filter_);
         shapes_.reserve(scene.bodies.size());
         for (const SceneBody& body : scene.bodies) {
             const SceneMesh& mesh = scene.meshes[body.mesh];
@@ -125,15 +148,10 @@ public:
             object->setCollisionShape(&shapes_.back().shape());
             if (!deforms) object->setWorldTransform(bullet::to_bullet(body.pose));
             object->setUserIndex(static_cast<int>(objects_.size()));
-            const bool fixed = body.motion == Motion::fixed;
-            if (fixed)
+            if (body.motion == Motion::fixed)
                 object->setCollisionFlags(object->getCollisionFlags() |
                                           btCollisionObject::CF_STATIC_OBJECT);
-            const int group = fixed ? btBroadphaseProxy::StaticFilter
-                                    : btBroadphaseProxy::DefaultFilter;
-            const int mask = fixed ? btBroadphaseProxy::AllFilter ^ btBroadphaseProxy::StaticFilter
-                                   : static_cast<int>(btBroadphaseProxy::AllFilter);
-            world_.addCollisionObject(object.get(), group, mask);
+            world_.addCollisionObject(object.get());
             objects_.push_back(std::move(object));
         }
     }
@@ -174,6 +192,7 @@ public:
     }
 
 private:
+    OverlapFilter filter_;
     bullet::TimedConfiguration configuration_;
     TimedDispatcher dispatcher_;
     btDbvtBroadphase broadphase_;
@@ -279,7 +298,9 @@ SceneWorld::SceneWorld(const SceneSetup& scene, std::unique_ptr<Backend> backend
                 break;
         }
         world.set_collision(bodies.back(), body.collision);
+        world.set_filter(bodies.back(), body.filter);
     }
+    for (const auto& [a, b] : scene.excluded) world.exclude(bodies[a], bodies[b]);
 }
 
 void SceneWorld::set_mesh(std::uint32_t body, const SceneMesh& mesh,

@@ -18,6 +18,8 @@
 #include <fcl/narrowphase/collision.h>
 #pragma GCC diagnostic pop
 
+#include "scenes/named/pair_rules.hpp"
+
 namespace pierce::scenes {
 namespace {
 
@@ -64,7 +66,7 @@ double milliseconds_since(Clock::time_point begin) {
 
 class FclDetector : public Detector {
 public:
-    explicit FclDetector(const SceneSetup& scene) {
+    explicit FclDetector(const SceneSetup& scene) : found_{.rules = PairRules(scene)} {
         std::vector<std::shared_ptr<Model>> models(scene.meshes.size());
         for (const SceneBody& body : scene.bodies) {
             const MeshData& mesh = scene.meshes[body.mesh].data;
@@ -102,7 +104,8 @@ public:
         for (const auto& object : objects_) object->computeAABB();
         manager_.update();
         const double update = std::exchange(refit_ms_, 0.0) + milliseconds_since(begin);
-        found_ = {};
+        found_.contacts.clear();
+        found_.pairs = 0;
         const Clock::time_point searched = Clock::now();
         manager_.collide(&found_, add_contacts);
         FrameResult result;
@@ -125,7 +128,8 @@ public:
 
 private:
     struct Found {
-        std::vector<MethodContact> contacts;
+        PairRules rules;
+        std::vector<MethodContact> contacts = {};
         std::uint32_t pairs = 0;
     };
 
@@ -133,6 +137,7 @@ private:
     static bool add_contacts(fcl::CollisionObjectd* first, fcl::CollisionObjectd* second,
                              void* data) {
         Found& found = *static_cast<Found*>(data);
+        if (!found.rules.allow(index_of(*first), index_of(*second))) return false;
         ++found.pairs;
         const bool swap = index_of(*second) < index_of(*first);
         if (swap) std::swap(first, second);

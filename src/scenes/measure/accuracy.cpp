@@ -13,8 +13,6 @@ namespace {
 
 constexpr double least_depth = 10;  // touch tolerances
 
-using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
-
 double angle_between(Vec3d a, Vec3d b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 }  // namespace

@@ -25,8 +25,6 @@ bool same(const Contact& a, const Contact& b) {
     return contact_hash({&a, 1}) == contact_hash({&b, 1});
 }
 
-using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
-
 std::vector<Contact> of_pair(std::span<const Contact> contacts, BodyPair pair) {
     std::vector<Contact> list;
     std::ranges::copy_if(contacts, std::back_inserter(list),

@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pierce/body.hpp"
+#include "pierce/filter.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/pose.hpp"
 
@@ -71,7 +73,11 @@ struct SceneBody {
                                                                                   ///< deforming
                                                                                   ///< body: its
                                                                                   ///< whole motion
+    Filter filter = {};
 };
+
+/// Two bodies of a scene, the lower one first.
+using BodyPair = std::pair<std::uint32_t, std::uint32_t>;
 
 /// The input of a simulation: meshes and bodies at their start. Lengths in metres, density 1.
 struct SceneSetup {
@@ -82,6 +88,7 @@ struct SceneSetup {
     double dt = 1.0 / 60;                        ///< [s] the time step that the scene is made for
     std::optional<double> baseline_margin = {};  ///< [length] around hulls of Bullet's own methods;
                                                  ///< none: Bullet's own
+    std::set<BodyPair> excluded = {};            ///< pairs of bodies that do not meet
 };
 
 /// Parameters of a named scene.

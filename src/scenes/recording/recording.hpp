@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,7 @@ struct RecordedBody {
     std::vector<float> values;
     Collision collision = {};                           ///< as in SceneBody
     std::vector<RecordedMeshChange> mesh_changes = {};  ///< frames ascend, and are not 0
+    Filter filter = {};
 };
 
 /// Bodies over time, the same for every method. On disk a folder; docs/recordings.md has the
@@ -35,6 +37,7 @@ struct Recording {
     std::uint32_t frame_count = 0;
     std::vector<SceneMesh> meshes;
     std::vector<RecordedBody> bodies;
+    std::set<BodyPair> excluded = {};  ///< pairs of bodies that do not meet
 
     /// Where a fixed or rigid body is in a frame. A body that is recorded for a single frame stays
     /// at that place.

@@ -12,6 +12,7 @@
 #include "core/body/body_view.hpp"
 #include "core/partition/memory_parts.hpp"
 #include "core/partition/space_partition.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "pierce/plan.hpp"
 #include "support/random.hpp"
 
@@ -177,7 +178,8 @@ StepMemory random_memory(test::Random& random, std::uint64_t first, std::uint64_
             vertex.triangle = static_cast<std::uint32_t>(2 * key + side);
             vertex.contact = static_cast<std::uint32_t>(m.contact_keys.size());
             m.vertices.push_back(vertex);
-            m.contact_keys.push_back(vertex_contact_key(static_cast<std::uint32_t>(pair), side, 7));
+            m.contact_keys.push_back(
+                ContactKey::of_vertex(static_cast<std::uint32_t>(pair), side, 7));
             m.ages.push_back(static_cast<std::uint32_t>(2 * key + side));
             m.contacts.push_back({});
             m.contacts.back().vertex = m.ages.back();
@@ -208,8 +210,8 @@ void expect_whole(const StepMemory& m) {
                 m.vertices[m.patches[m.blocks[directed.first_block].first_patch].first_vertex];
             EXPECT_EQ(directed.odometer, static_cast<double>(2 * key + side));
             EXPECT_EQ(vertex.triangle, 2 * key + side);
-            const std::uint64_t contact_key = vertex_contact_key(static_cast<std::uint32_t>(p),
-                                                                 side, 7);
+            const std::uint64_t contact_key = ContactKey::of_vertex(static_cast<std::uint32_t>(p),
+                                                                    side, 7);
             ASSERT_TRUE(is_contact(view_of(m.contact_keys), vertex.contact, contact_key));
             EXPECT_EQ(m.ages[vertex.contact], 2 * key + side);
             EXPECT_EQ(m.contacts[vertex.contact].vertex, 2 * key + side);

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "pierce/error.hpp"
+#include "scenes/detect/detector.hpp"
 #include "scenes/files/mesh_io.hpp"
 #include "scenes/files/npy.hpp"
 #include "scenes/named/mass_properties.hpp"
@@ -144,7 +145,7 @@ TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
     expect_refused("ascending frames");
     write_recording(changing(sample()), folder);
     overwrite("scene.json", "\"version\": 2", "\"version\": 1");
-    expect_refused("a recording with changes has version 2");
+    expect_refused("has version 1, and what is in it has version 2");
     for (const char* other : {"-2", "2.5", "1e300"}) {
         SCOPED_TRACE(other);
         write_recording(changing(sample()), folder);
@@ -164,6 +165,60 @@ TEST_F(RecordingTest, RefusesChangesThatDoNotFit) {
     longer.bodies[2].values.resize(longer.bodies[2].values.size() + 3);
     write_recording(longer, folder);
     expect_refused("whole frames");
+}
+
+/// The sample with a body of another chain and world, and an excluded pair.
+Recording filtered(Recording recording) {
+    recording.bodies[1].filter = {.groups = 0x80000000u, .meets = 3, .chain = 4, .world = 5};
+    recording.excluded = {{0, 2}};
+    return recording;
+}
+
+TEST_F(RecordingTest, FiltersAndExcludedPairsAreKept) {
+    write_recording(filtered(sample()), folder);
+    const Recording read = read_recording(folder);
+    EXPECT_EQ(read.bodies[0].filter, Filter{});
+    EXPECT_EQ(read.bodies[1].filter, filtered(sample()).bodies[1].filter);
+    EXPECT_EQ(read.excluded, (std::set<BodyPair>{{0, 2}}));
+    for (const Recording& part : {excerpt(read, 1, 1), thinned(read, 2), as_deforming(read)}) {
+        EXPECT_EQ(part.bodies[1].filter, read.bodies[1].filter);
+        EXPECT_EQ(part.excluded, read.excluded);
+    }
+}
+
+TEST_F(RecordingTest, RefusesFiltersThatDoNotFit) {
+    const auto refused = [&](const char* from, const char* to, const char* why) {
+        write_recording(filtered(sample()), folder);
+        overwrite("scene.json", from, to);
+        expect_refused(why);
+    };
+    refused("\"version\": 3", "\"version\": 2", "has version 2, and what is in it has version 3");
+    refused("\"meets\": 3", "\"meets\": -1", "a filter's meets cannot be -1");
+    refused("\"meets\": 3", "\"meets\": 4294967296", "a filter's meets cannot be");
+    refused("\"chain\": 4", "\"chain\": 4.5", "a filter's chain cannot be 4.5");
+    refused("\"world\": 5", "\"world\": -2", "a filter's world cannot be -2");
+    refused("\"world\": 5", "\"word\": 5", "a filter has no 'word'");
+    refused("      0,\n      2\n", "      0,\n      3\n", "bodies [0,3] are no pair");
+    refused("      0,\n      2\n", "      2,\n      2\n", "bodies [2,2] are no pair");
+    refused("      0,\n      2\n", "      0\n", "is no list of two bodies");
+}
+
+/// Three boxes in one place; no pair of the first two.
+TEST(RecordedFiltersTest, EveryMethodFollowsThem) {
+    SceneSetup scene{"boxes", {{"box", box({-1, -1, -1}, {1, 1, 1}), {}}}, {}};
+    for (const double at : {0.0, 0.5, 1.0})
+        scene.bodies.push_back({"box", 0, Motion::rigid, {{at, at, at}, {}}});
+    scene.bodies[0].filter.chain = scene.bodies[1].filter.chain = 1;
+    scene.excluded = {{0, 2}};
+    const auto found = [&](Method method) {
+        const auto detector = make_detector(scene, method);
+        for (std::uint32_t b = 0; b < 3; ++b) detector->set_pose(b, scene.bodies[b].pose);
+        return detector->detect().touching;
+    };
+    for (const Method method : {Method::rays, Method::gimpact, Method::gjk_hull}) {
+        SCOPED_TRACE(static_cast<int>(method));
+        EXPECT_EQ(found(method), (std::vector<BodyPair>{{1, 2}}));
+    }
 }
 
 TEST(RecordingFramesTest, PartsOfARecordingHaveItsFrames) {
@@ -204,8 +259,8 @@ TEST_F(RecordingTest, DamageIsNamed) {
     overwrite("scene.json", "pierce-recording", "other");
     expect_refused("is not a pierce-recording");
     write_recording(sample(), folder);
-    overwrite("scene.json", "\"version\": 1", "\"version\": 3");
-    expect_refused("version 3");
+    overwrite("scene.json", "\"version\": 1", "\"version\": 4");
+    expect_refused("version 4");
     write_recording(sample(), folder);
     overwrite("scene.json", "\"dt\": 0.01", "\"dt\": -0.01");
     expect_refused("dt must be positive");

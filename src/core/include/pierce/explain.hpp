@@ -40,6 +40,7 @@ enum class Reason : std::uint8_t {
              ///< the vertex is over no triangle
     // Of any body:
     no_triangle_names_it,  ///< the vertex is a corner of no triangle, so it is no part of its body
+    unexplained,  ///< by all that is known here the vertex is inside, but the step has no contact
 };
 
 /// A proof that a vertex stays outside, and needs no ray, until the two bodies have moved relative

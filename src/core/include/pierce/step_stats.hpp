@@ -37,9 +37,11 @@ struct StepStats {
     std::uint32_t excluded_bodies = 0;
     std::uint32_t pairs = 0;      ///< bodies whose boxes overlap
     std::uint32_t rays = 0;       ///< full rays
-    std::uint32_t hits = 0;       ///< full rays, walks and looks that meet the other body
+    std::uint32_t hits = 0;       ///< full rays, walks and looks that meet the other body, and
+                                  ///< those taken over of pairs in which nothing has moved
     std::uint32_t certified = 0;  ///< vertices near a target that needed no ray: they are proved to
-                                  ///< be outside, or have no inward direction
+                                  ///< be outside, have no inward direction, or nothing has moved in
+                                  ///< their pair
     std::uint32_t looks = 0;      ///< vertices found inside by a look from their last triangle
     std::uint32_t walks = 0;      ///< walks from the last triangle of a vertex
     std::uint32_t walk_steps = 0;   ///< from triangle to triangle, over all walks

@@ -117,9 +117,11 @@ public:
     void set_filter(BodyId body, const Filter& filter);
     const Filter& filter_of(BodyId body) const;
     /// Leaves out the pair of two bodies, whatever their filters, until include() takes it in
-    /// again or one of them is removed. Throws InputError for a body and itself.
+    /// again or one of them is removed. Both throw InputError for a body and itself.
     void exclude(BodyId a, BodyId b);
     void include(BodyId a, BodyId b);
+    /// The pairs that are left out so, each one's lower body first, sorted.
+    std::vector<std::pair<BodyId, BodyId>> excluded_pairs() const;
     /// Asks the caller whether two bodies meet, where filters allow it and their boxes overlap,
     /// once a step for every such pair; an empty function asks nothing. It is called by all threads
     /// of the backend at the same time, must not throw and must not call the world. explain() and
@@ -222,8 +224,9 @@ public:
     void save(std::ostream& out) const;
     /// Reads a world that save() has written, on any backend. Handles stay valid, and the next
     /// steps' contacts are those that the saved world would have had, but for Contact::found: what
-    /// stands still is looked for once more. Throws InputError for any other content, whatever its
-    /// version and whoever made it.
+    /// stands still is looked for once more; and but for those of meshes that add_mesh() has made
+    /// from another mesh and that are folded through themselves or inside out, which are measured
+    /// anew. Throws InputError for any other content, whatever its version and whoever made it.
     static World restore(std::istream& in, std::unique_ptr<Backend> backend);
 
     /// For bodies that are fast for their size: the first meeting of every pair of solids that are

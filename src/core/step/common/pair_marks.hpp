@@ -33,7 +33,7 @@ struct PairMarks {
         deep[2 * pair] = deep[2 * pair + 1] = 0;
     }
     PIERCE_HD bool any(std::uint32_t pair, std::uint32_t bits) const {
-        return (words[pair] & bits) != 0;
+        return (atomic_read(words[pair]) & bits) != 0;
     }
     PIERCE_HD void set(std::uint32_t pair, std::uint32_t bits) const {
         atomic_set(words[pair], bits);

@@ -119,12 +119,6 @@ struct SheetRecord {
     double distance = 0;  ///< of the contact, for the sums over contacts
 };
 
-/// The key that orders contacts of vertices.
-PIERCE_HD inline std::uint64_t vertex_contact_key(std::uint32_t pair, std::uint32_t side,
-                                                  std::uint32_t vertex) {
-    return std::uint64_t{pair} << 32 | std::uint64_t{side} << 31 | vertex;
-}
-
 /// True if the contact at a place of the last step's list is the one with that key.
 PIERCE_HD inline bool is_contact(View<const std::uint64_t> last_keys, std::uint32_t place,
                                  std::uint64_t key) {

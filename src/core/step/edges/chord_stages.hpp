@@ -7,6 +7,7 @@
 #include "core/mesh/surface.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/edges/edge_start.hpp"
 #include "core/step/edges/edge_triangles.hpp"
 #include "core/step/edges/near_edge.hpp"
 #include "core/step/edges/near_edges.hpp"
@@ -177,8 +178,13 @@ private:
         // How many parts of the target there are around a place of the edge, where parts overlap.
         const bool counts_parts = target.mesh.covered.size > 0;
         std::uint32_t inside = 0;
+        if (counts_parts) {
+            inside = parts_behind_start(target, placed, ray);
+            ray.t_min = ray.touch;
+        }
         bool crossed = false;
-        std::uint32_t entered = no_triangle;
+        std::uint32_t entered = no_triangle;  // where the chord begins, unless that is at an end
+        const CleanCrossings clean(triangles, ray, target.surface());
         const auto add = [&](double end, Chords kind, std::uint32_t left) {
             if (!(end - enter > ray.touch)) return mark(item.directed);
             Chord chord = {
@@ -202,19 +208,26 @@ private:
             see(chord);
         };
         const auto cross = [&](double t, bool exit, std::uint32_t triangle) {
+            if (!crossed && exit && !counts_parts) inside = 1;
+            if (!crossed && inside > 0 && !clean.hold())
+                entered = entered_at_start(target, triangles, ray, inside);
+            crossed = true;
             const bool was_inside = inside > 0;
             if (exit)
                 inside = counts_parts && was_inside ? inside - 1 : 0;
             else
                 inside = counts_parts ? inside + 1 : 1;
-            if (exit && inside == 0 && (was_inside || !crossed))
-                add(min_of(t, ray.t_max), was_inside ? Chords::within : Chords::at_ends, triangle);
-            crossed = true;
-            if (!exit && inside > 1) return;
+            if (exit && inside == 0 && was_inside) {
+                // An end that touches the surface is outside, unless both do.
+                const bool touches_twice = !(enter > ray.touch) && t > ray.t_max - ray.touch;
+                add(min_of(t, ray.t_max),
+                    entered == no_triangle || touches_twice ? Chords::at_ends : Chords::within,
+                    triangle);
+            }
+            if (inside > (exit ? 0u : 1u)) return;
             enter = t;
-            entered = triangle;
+            entered = exit ? no_triangle : triangle;
         };
-        const CleanCrossings clean(triangles, ray, target.surface());
         for (std::uint32_t k = 0; k < clean.count() && clean.hold(); ++k)
             cross(clean.t(k), clean.is_exit(k), clean.triangle(k));
         while (!clean.hold()) {
@@ -226,7 +239,7 @@ private:
             ray.t_min = m.t + ray.touch;
             if (!(ray.t_min < ray.t_max)) break;
         }
-        if (inside > 0) add(ray.t_max, Chords::at_ends, no_triangle);
+        if (inside > 0 && crossed) add(ray.t_max, Chords::at_ends, no_triangle);
     }
 
     /// True if both ends of an edge are certainly in front of a triangle's plane. If the edge can

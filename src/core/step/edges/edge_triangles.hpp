@@ -53,12 +53,18 @@ public:
 
     /// The triangle that a ray along the edge crosses first.
     PIERCE_HD Hit first_hit(const Ray& ray) const {
-        Surface each = target_.surface();
-        each.covered = {};
-        return first_crossing(ray, each, [&](CrossingSearch& search) {
-            for (std::uint32_t k = 0; k < count_ && count_ <= most; ++k) search.test(triangles_[k]);
-            if (count_ > most) for_each([&](std::uint32_t triangle) { search.test(triangle); });
+        Surface alone = target_.surface();
+        alone.covered = {};
+        return first_crossing(ray, alone, [&](CrossingSearch& search) {
+            each([&](std::uint32_t triangle) { search.test(triangle); });
         });
+    }
+
+    /// Calls see(triangle) for each of them, and maybe for others that are near.
+    template <class See>
+    PIERCE_HD void each(const See& see) const {
+        if (!are_listed()) return for_each(see);
+        for (std::uint32_t k = 0; k < count_; ++k) see(triangles_[k]);
     }
 
     /// The triangles that are closer than the limit, if they are few.

@@ -129,6 +129,20 @@ public:
                dot(direction, opposite_[1] - from_) <= touch_;
     }
 
+    /// The unit direction of `way`, from a point of this edge to the closest one of another, which
+    /// run `along` and `along_other`; where they touch, the one at right angles to both that leads
+    /// away from the faces. Zero where they touch and run the same way.
+    PIERCE_HD Vec3d direction_to(Vec3d way, Vec3d along, Vec3d along_other) const {
+        const double distance = length(way);
+        if (distance > touch_) return (1 / distance) * way;
+        const Vec3d across = cross(along, along_other);
+        if (!(length_squared(across) > constants::edges_sine * constants::edges_sine *
+                                           length_squared(along) * length_squared(along_other)))
+            return {};
+        const Vec3d direction = normalized(across);
+        return faces(direction) ? direction : -direction;
+    }
+
 private:
     double touch_;
     Vec3d from_, opposite_[2];

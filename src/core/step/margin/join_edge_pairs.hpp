@@ -56,11 +56,14 @@ struct JoinEdgePairs {
                                    .end = {}};
         Ray ray;
         ray.origin = from;
-        ray.direction = normalized(from - to);
+        const Edge& edge = source.mesh.edges[pair.edge];
+        const EdgeWedge wedge(source, d.to_space, edge, EdgeFaces(source, edge), d.touch);
+        ray.direction = -wedge.direction_to(to - from, placed.b - placed.a, ends.to - ends.from);
         ray.target = d.target;
         ray.touch = d.touch;
         Meeting meeting;
-        meeting.t = -length(to - from);
+        const double distance = length(to - from);
+        meeting.t = distance > d.touch ? -distance : 0.0;
         meeting.barycentric[pair.corner] = 0;
         meeting.barycentric[pair.corner == 2 ? 0 : pair.corner + 1] = 1 - pair.other_along;
         meeting.barycentric[pair.corner == 0 ? 2 : pair.corner - 1] = pair.other_along;

@@ -85,6 +85,8 @@ private:
                                [&](View<const std::uint32_t> closest) {
                                    return stages::MeasureNear{
                                        .bodies = bodies,
+                                       .directed = step.directed,
+                                       .sources = view_of(std::as_const(near_.sources)),
                                        .queries = view_of(std::as_const(queries_)),
                                        .closest = closest,
                                        .rays = view_of(near_.rays),

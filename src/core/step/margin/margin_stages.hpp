@@ -12,6 +12,7 @@
 #include "core/step/margin/normal_at.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/join_batch.hpp"
+#include "core/step/solids/ray_gen.hpp"
 #include "core/step/solids/vertex_cull.hpp"
 #include "core/trace/meeting.hpp"
 #include "core/trace/ray.hpp"
@@ -130,6 +131,8 @@ struct GenerateNearQueries {
 /// ray that leaves the target after a negative way.
 struct MeasureNear {
     View<const BodyView> bodies;
+    View<const DirectedPair> directed;
+    View<const RaySource> sources;
     View<const Ray> queries;
     View<const std::uint32_t> closest;
     View<Ray> rays;  ///< per query, like the others
@@ -148,18 +151,27 @@ struct MeasureNear {
                     c = to_double(target.positions[t.vertex[2]]);
         const TrianglePlace place = closest_place_on_triangle(ray.origin, a, b, c);
         const Vec3d point = a + place.second * (b - a) + place.third * (c - a),
-                    way = ray.origin - point, normal = normal_at(target, closest[i], place, way);
+                    way = ray.origin - point;
         const double distance = length(way);
         const bool touches = !(distance > ray.touch);
-        if (!(touches || dot(way, normal) > 0) || !(distance < ray.t_max)) return;
+        if (!(distance < ray.t_max)) return;
+        if (!touches && !(dot(way, normal_at(target, closest[i], place, way)) > 0)) return;
         // Rounding decides where so short a way leads. A vertex that is inside by less has a
         // contact by its ray, or none.
-        ray.direction = normalized(touches ? normal : way);
+        ray.direction = normalized(
+            touches ? normal_touched(target, closest[i], place, inward_of(sources[i])) : way);
         rays[i] = ray;
         hits[i] = {closest[i]};
         meetings[i] = {
             -distance, {1 - place.second - place.third, place.second, place.third}, true};
         keep[i] = 1;
+    }
+
+private:
+    /// The inward direction of a vertex, in the space of the other body.
+    PIERCE_HD Vec3d inward_of(const RaySource& from) const {
+        const DirectedPair& d = directed[2 * from.pair + from.side];
+        return d.to_space.rotation * inward_direction(bodies[d.source], from.item);
     }
 };
 

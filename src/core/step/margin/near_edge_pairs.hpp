@@ -273,10 +273,10 @@ private:
                 return;
             const Vec3d from = placed.a + places.first * (placed.b - placed.a),
                         to = ends.from + places.second * (ends.to - ends.from), way = to - from;
-            const double distance = length(way);
-            if (!(distance > touch && distance < margin)) return;
-            const Vec3d direction = (1 / distance) * way;
-            if (!wedge.faces(direction)) return;
+            if (!(length(way) < margin)) return;
+            const Vec3d direction = wedge.direction_to(way, placed.b - placed.a,
+                                                       ends.to - ends.from);
+            if (!(length_squared(direction) > 0) || !wedge.faces(direction)) return;
             const Edge& other = target.mesh.edges[features.edge[k]];
             const EdgeFaces faces = EdgeFaces::as_given(target.mesh, other);
             if (!faces.exist() || (!is_beside_thin(ends, faces) &&

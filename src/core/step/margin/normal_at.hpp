@@ -124,4 +124,30 @@ PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
                : most_facing_normal(body, way, v, t.vertex[3 - place.zero - place.corner]);
 }
 
+/// The normal of the surface for what touches it at a place and goes on along `inward`, a direction
+/// into its own body: of the triangle there, or, on an edge or in a corner, of that triangle around
+/// it which faces `inward` most. Not of length 1.
+PIERCE_HD inline Vec3d normal_touched(const BodyView& body, std::uint32_t triangle,
+                                      const TrianglePlace& at, Vec3d inward) {
+    const MeshView& mesh = body.mesh;
+    const double weight[3] = {1 - at.second - at.third, at.second, at.third};
+    const PlaceKind place(weight);
+    Vec3d best = triangle_normal(mesh, body.positions, triangle);
+    const auto consider = [&](Vec3d normal) {
+        if (dot(normal, inward) > dot(best, inward)) best = normal;
+    };
+    if (place.zeros == 1) {
+        const std::uint32_t across = mesh.neighbors[triangle].across[place.zero];
+        if (across != no_triangle) consider(triangle_normal(mesh, body.positions, across));
+    } else if (place.zeros == 2) {
+        const std::uint32_t v = mesh.triangles[triangle].vertex[place.corner];
+        const auto from = [&](std::uint32_t u) {
+            return to_double(body.positions[u]) - to_double(body.positions[v]);
+        };
+        for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i)
+            consider(normalized(cross(from(mesh.corners[i].next), from(mesh.corners[i].previous))));
+    }
+    return best;
+}
+
 }  // namespace pierce::stages

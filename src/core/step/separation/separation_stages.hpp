@@ -248,8 +248,13 @@ struct GenerateContainedRays {
         double height[per_part];
         std::uint32_t count = 0;
         const bool again = i > 0 && from[i - 1].pair == part.pair && from[i - 1].side == part.side;
+        // Parts are sorted by their first vertex, which gets a ray for the part.
+        const View<const MeshPart> parts = source.mesh.parts;
+        std::uint32_t next_part = 0;
         for (std::uint32_t v = 0; v < source.mesh.positions.size && !again; ++v) {
-            if (is_part(source.mesh, v) || !has_triangles(source.mesh, v)) continue;
+            while (next_part < parts.size && parts[next_part].vertex[0] < v) ++next_part;
+            const bool is_part = next_part < parts.size && parts[next_part].vertex[0] == v;
+            if (is_part || !has_triangles(source.mesh, v)) continue;
             const double h = dot(u, to_double(source.positions[v]));
             if (count == constants::separation_vertices && !(h < height[count - 1])) continue;
             count = min_of(count + 1, constants::separation_vertices);
@@ -278,13 +283,6 @@ private:
         return chains.find(vertex.pair, [&](std::uint32_t k) {
             return stranded[k].side == vertex.side && stranded[k].item == vertex.item;
         }) != no_record;
-    }
-
-    /// True for vertices that get a ray for the part they stand for.
-    PIERCE_HD static bool is_part(const MeshView& mesh, std::uint32_t v) {
-        for (const MeshPart& part : mesh.parts)
-            if (part.vertex[0] >= v) return part.vertex[0] == v;
-        return false;
     }
 };
 

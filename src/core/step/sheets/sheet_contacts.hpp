@@ -3,11 +3,12 @@
 #include <bit>
 
 #include "core/device/atomics.hpp"
-#include "core/device/heap_sort.hpp"
+#include "core/device/order_ties.hpp"
 #include "core/device/view.hpp"
 #include "core/execute/stage_traits.hpp"
 #include "core/geometry/float_rules.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/count.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/sheets/sheet_meetings.hpp"
@@ -20,36 +21,19 @@
 namespace pierce::stages {
 
 /// Per two features in their order: the first of those with the same key brings them into the order
-/// of their other features. Such ties are few, but where many features may meet one that is much
-/// larger, there are thousands.
+/// of their other features.
 struct OrderTies {
     View<const FeaturePair> features;
     View<const std::uint64_t> keys;
     View<std::uint32_t> order;
 
     PIERCE_HD void operator()(std::uint32_t first) const {
-        if (first > 0 && keys[first - 1] == keys[first]) return;
-        std::uint32_t end = first + 1;
-        for (; end < keys.size && keys[end] == keys[first]; ++end)
-            if (end - first < constants::few_ties) insert(first, end);
-        if (end - first > constants::few_ties)
-            heap_sort(order.data + first, end - first,
-                      [&](std::uint32_t a, std::uint32_t b) { return before(a, b); });
-    }
-
-private:
-    /// Features of one key have different other features; the places only make sure of one order.
-    PIERCE_HD bool before(std::uint32_t a, std::uint32_t b) const {
-        const std::uint32_t x = features[a].other, y = features[b].other;
-        return x != y ? x < y : a < b;
-    }
-
-    /// Brings the feature at a place among those from `first` on, which are in order.
-    PIERCE_HD void insert(std::uint32_t first, std::uint32_t place) const {
-        const std::uint32_t feature = order[place];
-        for (; place > first && before(feature, order[place - 1]); --place)
-            order[place] = order[place - 1];
-        order[place] = feature;
+        // Features of one key have different other features; the places only make sure of one
+        // order.
+        order_ties(keys, order, first, [&](std::uint32_t a, std::uint32_t b) {
+            const std::uint32_t x = features[a].other, y = features[b].other;
+            return x != y ? x < y : a < b;
+        });
     }
 };
 
@@ -76,15 +60,19 @@ struct IsContact {
     PIERCE_HD std::uint32_t listed(std::uint32_t place) const { return order[place]; }
 };
 
-/// What a contact adds to the sums, by its record.
+/// What a contact adds to the sums, by its record. A pair whose rays have found contacts, too, is
+/// counted with those.
 struct CountSheetContact {
     View<const std::uint64_t> keys;
     View<const SheetRecord> records;
-    std::uint32_t bits = 0;  ///< of the keys
+    SheetKey sheet_key;
+    View<const std::uint64_t> ray_keys;  ///< of contacts that rays have found
 
     PIERCE_HD ContactSums operator()(std::uint32_t i) const {
         const SheetRecord r = records[i];
-        const bool first = i == 0 || pair_of(keys[i - 1], bits) != pair_of(keys[i], bits);
+        const std::uint32_t pair = sheet_key.pair_of(keys[i]);
+        const bool first = (i == 0 || sheet_key.pair_of(keys[i - 1]) != pair) &&
+                           !has_ray_contact(pair);
         const double depth = max_of(-r.distance, 0.0);
         return {.touching_pairs = first,
                 .edges = r.is_edge,
@@ -97,6 +85,12 @@ struct CountSheetContact {
                 .depth = depth,
                 .depth_max = depth};
     }
+
+private:
+    PIERCE_HD bool has_ray_contact(std::uint32_t pair) const {
+        const std::uint32_t place = first_not_less(ray_keys, ContactKey::first_of(pair));
+        return place < ray_keys.size && ContactKey::pair_of(ray_keys[place]) == pair;
+    }
 };
 
 /// Per contact of a sheet: everything in it, and what the next step will know of it.
@@ -108,7 +102,7 @@ struct FillSheetContact {
     View<const Judgement> judgements;
     View<const std::uint32_t> ages;
     View<const std::uint32_t> kept;  ///< features, in their order
-    std::uint32_t bits = 0;          ///< of the keys
+    SheetKey sheet_key;
     View<std::uint64_t> keys;
     View<SheetRecord> records;
     View<std::uint32_t> deepest;  ///< per pair
@@ -128,7 +122,7 @@ struct FillSheetContact {
                             f.kind == FeatureKind::piercing_edge_of_b;
         const SheetBody source = bodies[from_b ? pair.second : pair.first],
                         target = bodies[from_b ? pair.first : pair.second];
-        keys[i] = feature_key(f.pair, f.kind, f.item, bits);
+        keys[i] = sheet_key.of(f.pair, f.kind, f.item);
         const bool is_vertex = f.kind == FeatureKind::vertex_of_a ||
                                f.kind == FeatureKind::vertex_of_b;
         std::uint32_t vertex = f.item, edge_end = no_vertex, triangle = f.other;

@@ -3,6 +3,7 @@
 #include "core/device/quick_math.hpp"
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/sheets/cull_triangles.hpp"
 #include "core/step/sheets/feature_bits.hpp"
 #include "core/step/sheets/four_features.hpp"
@@ -12,16 +13,6 @@
 /// Sheets, second part: which vertices and triangles, and which edges, of two triangles may meet or
 /// come close.
 namespace pierce::stages {
-
-/// What two features are.
-enum class FeatureKind : std::uint8_t {
-    vertex_of_a,         ///< a vertex of the pair's a, and a triangle of its b
-    vertex_of_b,         ///< the other way round
-    edges,               ///< an edge of a and an edge of b
-    piercing_edge_of_a,  ///< an edge of a through a triangle of b, at the start of the step and at
-                         ///< its end
-    piercing_edge_of_b,
-};
 
 /// Two features that may meet or come close during the step.
 struct alignas(16) FeaturePair {
@@ -35,17 +26,6 @@ struct alignas(16) FeaturePair {
     /// vertex and the corners. Edges: the ends of both. Other kinds do not use them.
     std::uint32_t vertex[4] = {};
 };
-
-/// The key of a feature: sheets' contacts and records are sorted by it. Those of one feature are
-/// then in any order (OrderTies). `bits`: as many as a feature's number has at most.
-PIERCE_HD inline std::uint64_t feature_key(std::uint32_t pair, FeatureKind kind, std::uint32_t item,
-                                           std::uint32_t bits) {
-    return std::uint64_t{pair} << (bits + 3) | static_cast<std::uint64_t>(kind) << bits | item;
-}
-PIERCE_HD inline std::uint32_t pair_of(std::uint64_t key, std::uint32_t bits) {
-    return static_cast<std::uint32_t>(key >> (bits + 3));
-}
-static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
 /// Two triangles with features that may be contacts.
 struct alignas(16) MeetingTriangles {
@@ -164,7 +144,7 @@ struct ListFeatures {
     SheetBodies bodies;
     View<const SheetPair> pairs;
     View<const MeetingTriangles> triangles;
-    std::uint32_t key_bits = 0;  ///< of a feature's number
+    SheetKey sheet_key;
 
     PIERCE_HD std::uint32_t find(std::uint32_t i) const { return triangles[i].features; }
     PIERCE_HD static std::uint32_t count(std::uint32_t bits) {
@@ -179,7 +159,7 @@ struct ListFeatures {
                 FeaturePair f = feature(t, bit);
                 f.separate = (mask & FeatureBits::separate) != 0;
                 write_whole(features[at], f);
-                keys[at] = feature_key(f.pair, f.kind, f.item, key_bits);
+                keys[at] = sheet_key.of(f.pair, f.kind, f.item);
                 order[at] = at;
             });
     }

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/execute/executor.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/common/step_memory.hpp"
 #include "core/step/sheets/flat_stars.hpp"
@@ -18,7 +19,7 @@ struct SheetRecords {
     template <class Item>
     using Buffer = typename E::template Buffer<Item>;
 
-    std::uint32_t bits = 0;         ///< of the numbers of features in `keys`
+    SheetKey sheet_key;             ///< of `keys`
     Buffer<std::uint64_t> keys;     ///< per contact, in the order of the contacts
     Buffer<SheetRecord> records;    ///< per contact
     Buffer<std::uint32_t> deepest;  ///< per pair, how far vertices are on the wrong side, as the
@@ -30,13 +31,13 @@ struct SheetRecords {
         deepest.clear();
     }
     void save(const E& executor, StepMemory& m) const {
-        m.sheet_bits = bits;
+        m.sheet_bits = sheet_key.bits;
         m.sheet_keys = executor.download(keys);
         m.sheet_records = executor.download(records);
         m.deepest = executor.download(deepest);
     }
     void restore(E& executor, const StepMemory& m) {
-        bits = m.sheet_bits;
+        sheet_key.bits = m.sheet_bits;
         executor.upload(std::span(m.sheet_keys), keys);
         executor.upload(std::span(m.sheet_records), records);
         executor.upload(std::span(m.deepest), deepest);

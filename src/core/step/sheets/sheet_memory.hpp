@@ -2,6 +2,7 @@
 
 #include "core/device/view.hpp"
 #include "core/mesh/mesh_view.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/records.hpp"
 #include "core/step/sheets/sheet_features.hpp"
 #include "pierce/contact.hpp"
@@ -15,7 +16,7 @@ struct SheetMemory {
                                       ///< no_pair
     View<const std::uint64_t> keys;
     View<const SheetRecord> records;
-    std::uint32_t bits = 0;  ///< of the keys
+    SheetKey sheet_key;
 
     /// The side of a triangle that a vertex belongs to; 0 if nothing is remembered.
     PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
@@ -58,7 +59,7 @@ private:
     PIERCE_HD void each(std::uint32_t pair, FeatureKind kind, std::uint32_t item,
                         const See& see) const {
         if (keys.size == 0 || links[pair] == no_pair) return;
-        const std::uint64_t key = feature_key(links[pair], kind, item, bits);
+        const std::uint64_t key = sheet_key.of(links[pair], kind, item);
         // Searches by quarters: a GPU reads three keys at once and waits as long as for one.
         std::uint32_t low = 0, high = keys.size;
         while (low < high) {

@@ -43,7 +43,7 @@ public:
     /// All contacts of sheets, sorted by pair, kind and feature. `links`: which of last step's
     /// pairs each pair was.
     void find(const Scene& scene, const Buffer<Pair>& pairs, View<const std::uint32_t> links) {
-        now_.bits = scene.plan->feature_bits;
+        now_.sheet_key.bits = scene.plan->feature_bits;
         search(scene, pairs, links);
         meet(scene, pairs);
     }
@@ -55,18 +55,24 @@ public:
         now_.restore(executor_, m);
     }
 
-    /// Clears the lists: there are no sheets in this step.
+    /// Clears what an earlier step has left, as this one may have no sheets, or none that are
+    /// bound.
     void forget() {
         features_.contacts.clear();
         now_.forget();
+        is_bound_ = false;
     }
 
     const Buffer<Contact>& contacts() const { return features_.contacts; }
-    /// Adds up the step's contacts.
-    void add_up(typename E::template Sum<stages::ContactSums>& sums) {
-        executor_.reduce(
-            count_of(features_.contacts),
-            stages::CountSheetContact{view_of(now_.keys), view_of(now_.records), now_.bits}, sums);
+    /// Adds up the step's contacts. `ray_keys`: of those that rays have found.
+    void add_up(View<const std::uint64_t> ray_keys,
+                typename E::template Sum<stages::ContactSums>& sums) {
+        executor_.reduce(count_of(features_.contacts),
+                         stages::CountSheetContact{.keys = view_of(now_.keys),
+                                                   .records = view_of(now_.records),
+                                                   .sheet_key = now_.sheet_key,
+                                                   .ray_keys = ray_keys},
+                         sums);
     }
     std::uint32_t triangle_pairs() const { return executor_.number(count_of(search_.triangles)); }
     std::uint32_t feature_pairs() const { return executor_.number(count_of(features_.features)); }
@@ -245,12 +251,12 @@ private:
                        stages::ListFeatures{.bodies = bodies_of(scene),
                                             .pairs = view_of(search_.pairs),
                                             .triangles = view_of(features_.triangles),
-                                            .key_bits = now_.bits},
+                                            .sheet_key = now_.sheet_key},
                        features_.features, sort_.keys, sort_.values);
         const stages::SheetMemory memory{.links = view_of(search_.links),
                                          .keys = view_of(last_.keys),
                                          .records = view_of(last_.records),
-                                         .bits = last_.bits};
+                                         .sheet_key = last_.sheet_key};
         executor_.beside([&] { judge(scene, pairs, memory); });
         order_features(pairs);
         executor_.join();
@@ -269,7 +275,7 @@ private:
                                                     .judgements = view_of(features_.judgements),
                                                     .ages = view_of(features_.ages),
                                                     .kept = view_of(features_.kept),
-                                                    .bits = now_.bits,
+                                                    .sheet_key = now_.sheet_key,
                                                     .keys = view_of(now_.keys),
                                                     .records = view_of(now_.records),
                                                     .deepest = view_of(now_.deepest),
@@ -280,8 +286,8 @@ private:
     void order_features(const Buffer<Pair>& pairs) {
         const Count count = count_of(features_.features);
         const int pair_bits = std::bit_width(static_cast<std::uint32_t>(pairs.size()));
-        tools_.sort(pair_bits + 3 + static_cast<int>(now_.bits), sort_.keys, sort_.values,
-                    features_.keys, features_.order);
+        tools_.sort(pair_bits + static_cast<int>(SheetKey::kind_bits + now_.sheet_key.bits),
+                    sort_.keys, sort_.values, features_.keys, features_.order);
         executor_.for_each(count,
                            stages::OrderTies{view_of(features_.features), view_of(features_.keys),
                                              view_of(features_.order)});

@@ -2,12 +2,13 @@
 
 #include "core/body/body_view.hpp"
 #include "core/device/number.hpp"
-#include "core/device/partition_point.hpp"
+#include "core/device/order_ties.hpp"
 #include "core/device/view.hpp"
 #include "core/device/warp.hpp"
 #include "core/device/whole.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/mesh/surface.hpp"
+#include "core/step/common/contact_keys.hpp"
 #include "core/step/common/count.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/pairs.hpp"
@@ -25,18 +26,12 @@ namespace pierce::stages {
 /// The key that orders contacts; chords of one edge share it.
 PIERCE_HD inline std::uint64_t contact_key(const RaySource& from, std::uint32_t pair,
                                            View<const Chord> chords) {
-    if (from.start == RayStart::vertex) return vertex_contact_key(pair, from.side, from.item);
-    return vertex_contact_key(pair, from.side, chords[from.item].edge) | std::uint64_t{1} << 30;
+    if (from.start == RayStart::vertex) return ContactKey::of_vertex(pair, from.side, from.item);
+    return ContactKey::of_edge(pair, from.side, chords[from.item].edge);
 }
-static_assert(constants::max_elements <= std::uint32_t{1} << 30);
 
 /// Marks a contact that is taken over from the last step: the rest is its place in the last list.
 inline constexpr std::uint32_t taken_over = std::uint32_t{1} << 31;
-
-/// The place of the first key that is not less.
-PIERCE_HD inline std::uint32_t first_not_less(View<const std::uint64_t> keys, std::uint64_t key) {
-    return partition_point(keys.size, [&](std::uint32_t i) { return keys[i] < key; });
-}
 
 /// Per contact: it is one step older.
 struct GrowOlder {
@@ -76,15 +71,14 @@ struct KeyContacts {
         }
         const std::uint32_t pair = i - candidates.size, first = first_of(links[pair]);
         for (std::uint32_t k = 0; k < kept; ++k) {
-            const auto rest = static_cast<std::uint32_t>(last_keys[first + k]);
-            keys[place + k] = std::uint64_t{pair} << 32 | rest;
+            keys[place + k] = ContactKey::in_pair(pair, last_keys[first + k]);
             order[place + k] = taken_over | (first + k);
         }
     }
 
 private:
     PIERCE_HD std::uint32_t first_of(std::uint32_t last_pair) const {
-        return first_not_less(last_keys, std::uint64_t{last_pair} << 32);
+        return first_not_less(last_keys, ContactKey::first_of(last_pair));
     }
 };
 
@@ -98,20 +92,16 @@ struct OrderChords {
     View<std::uint32_t> order;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
-        if ((order[i] & taken_over) || (i > 0 && keys[i - 1] == keys[i])) return;
-        for (std::uint32_t next = i + 1; next < keys.size && keys[next] == keys[i]; ++next)
-            for (std::uint32_t k = next; k > i && chord(k) < chord(k - 1); --k) {
-                const std::uint32_t later = order[k - 1];
-                order[k - 1] = order[k];
-                order[k] = later;
-            }
+        if (order[i] & taken_over) return;  // all of its key are, in their order
+        order_ties(keys, order, i,
+                   [&](std::uint32_t a, std::uint32_t b) { return chord(a) < chord(b); });
     }
 
 private:
     /// Edges near the target come after chords inside of it, and chords of bodies that were moved a
     /// little come last.
-    PIERCE_HD std::uint64_t chord(std::uint32_t k) const {
-        const RaySource& from = sources[candidates[order[k]]];
+    PIERCE_HD std::uint64_t chord(std::uint32_t candidate) const {
+        const RaySource& from = sources[candidates[candidate]];
         if (from.start == RayStart::vertex) return 0;
         const std::uint32_t item = from.item;
         const Chord& c = chords[item];
@@ -177,7 +167,8 @@ struct FillContact {
     View<Contact> contacts;
 
     PIERCE_HD ContactSums operator()(std::uint32_t i) const {
-        const bool first = i == 0 || keys[i - 1] >> 32 != keys[i] >> 32;
+        const bool first = i == 0 ||
+                           ContactKey::pair_of(keys[i - 1]) != ContactKey::pair_of(keys[i]);
         if (order[i] & taken_over) {
             Contact kept = last_contacts[order[i] & ~taken_over];
             ages[i] = ++kept.age;
@@ -260,8 +251,12 @@ private:
     PIERCE_HD bool stays_on_ray(std::uint32_t candidate, const RaySource& from) const {
         if (aimed.meetings[candidate].t > 0 || marks.any(from.pair, PairMarks::has_depth))
             return false;
-        return from.start != RayStart::vertex ||
-               runs_in_own(bodies[pairs[from.pair].source(from.side)], from.item);
+        const std::uint32_t r = candidates[candidate];
+        const double t = found_rays.meetings[r].t;
+        return from.start == RayStart::vertex
+                   ? runs_through_both(bodies[pairs[from.pair].source(from.side)], from.item, t,
+                                       found_rays.rays[r].touch)
+                   : t > 0;
     }
 
     /// A sheet's vertex belongs where it has come from: the ray ahead hits what it would meet, the

@@ -37,6 +37,13 @@ PIERCE_RARELY PIERCE_HD inline bool runs_in_own(const BodyView& source, std::uin
                              inward_direction(source, vertex));
 }
 
+/// True if the inward ray of a vertex that touches, which leaves the target at `t`, shows that the
+/// two bodies overlap there, and not only that rounding moved one of them.
+PIERCE_HD inline bool runs_through_both(const BodyView& source, std::uint32_t vertex, double t,
+                                        double touch) {
+    return t > constants::skin * touch && runs_in_own(source, vertex);
+}
+
 /// The point of an edge between its first vertex (0) and its second (1), in the body's space.
 PIERCE_HD inline Vec3d point_on(const BodyView& body, const Edge& edge, double along) {
     const Vec3d a = to_double(body.positions[edge.vertex[0]]),

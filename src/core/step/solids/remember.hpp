@@ -116,8 +116,8 @@ struct LimitToCertificate {
     }
 };
 
-/// Per uncertain vertex: the odometer up to which it needs no ray. Before it needs one, it may move
-/// by its distance to the surface.
+/// Per uncertain vertex: the odometer up to which it needs no ray, and 1 if it is proved to be
+/// outside. Before it needs a ray, it may move by its distance to the surface.
 struct Certify {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -127,7 +127,7 @@ struct Certify {
     View<const std::uint32_t> closest;  ///< triangles of the target, within the limit
     View<VertexRecord> records;
 
-    PIERCE_HD void operator()(std::uint32_t i) const {
+    PIERCE_HD std::uint32_t operator()(std::uint32_t i) const {
         const std::uint32_t slot = slots[uncertain[i]];
         const BodyView& target = bodies[limited[i].target];
         const RaySource from = sources[slot];
@@ -143,6 +143,7 @@ struct Certify {
         record.retry = d.odometer +
                        max_of(static_cast<float>(free),
                               static_cast<float>(constants::certificate_steps) * d.step);
+        return free > 0;
     }
 };
 

@@ -21,8 +21,9 @@
 /// the surface is nearer than the closest point, so the way there is inside the target (R1). The
 /// way need not run through the vertex's own body. For bodies that touch in a few vertices it often
 /// does not, and the contact has passed R2 and R3 along its inward ray. A contact whose closest
-/// point is within the touch tolerance touches: it has no depth, however far its ray went. If its
-/// pair has no contact with a depth at all, as two boxes in one place, it stays as it is.
+/// point is within the touch tolerance touches: it has no depth, however far its ray went, and the
+/// normal of the surface there. If its pair has no contact with a depth at all, as two boxes in one
+/// place, and its ray has one, it stays as it is.
 ///
 /// Where parts of the target overlap and the closest triangle is covered partly, the contact stays
 /// where its ray ends, unless it touches.
@@ -98,7 +99,7 @@ private:
             ray.excluded[1] = target.mesh.neighbors[ridge.triangle].across[ridge.corner];
             ray.t_max = length(closest_on(RidgeEnds(target.surface(), ridge), ray.origin) -
                                ray.origin);
-        } else if (is_closest(target, ray.origin, hits[r].triangle)) {
+        } else if (!(meetings[r].t > 0) || is_closest(target, ray.origin, hits[r].triangle)) {
             closest = hits[r].triangle;
             ray.t_max = -1.0;
         } else {
@@ -183,9 +184,11 @@ private:
         const double depth = length(way);
         if (!(is_known || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
         const bool touches = !(depth > ray.touch);
-        // The closest point of a triangle that is covered partly may lie in another part, also
-        // where the ray begins.
-        if (surface.covered.size > 0 && surface.covered[triangle] != Cover::none) return false;
+        // The closest point of a triangle that is covered partly may lie in another part, but not
+        // where a ray has left.
+        if (depth_of_ray > 0 && surface.covered.size > 0 &&
+            surface.covered[triangle] != Cover::none)
+            return false;
         // Rounding decides where so short a way leads.
         ray.direction = normalized(touches ? cross(b - a, c - a) : way);
         hits[candidate] = {triangle};

@@ -272,6 +272,9 @@ struct CullBlock {
             }
         }
         if (temporal != Temporal::off && first == 0) records[i].keep(mask);
+        // Nothing expires here, but all of a record is saved.
+        if (temporal == Temporal::paper)
+            for (std::uint32_t k = first; k < first + Share::count; ++k) records[i].expiry[k] = 0;
         return Share::mine(mask);
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }

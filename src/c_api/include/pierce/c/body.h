@@ -105,6 +105,15 @@ PIERCE_API pierce_status pierce_exclude(pierce_world* world, pierce_body_id a, p
 /** Takes the pair in again. */
 PIERCE_API pierce_status pierce_include(pierce_world* world, pierce_body_id a, pierce_body_id b);
 
+/** Two bodies. */
+typedef struct pierce_body_pair {
+    pierce_body_id a, b;
+} pierce_body_pair;
+
+/** The pairs that are left out so, each one's lower body first, sorted. */
+PIERCE_API pierce_status pierce_excluded_pairs(pierce_world* world, const pierce_body_pair** pairs,
+                                               size_t* count);
+
 /** Tells whether two bodies meet: 0 if they do not. `a` is less than `b` by its lower 32 bits. It
  *  must not throw or jump, and must not call the world. */
 typedef int (*pierce_pair_filter)(pierce_body_id a, pierce_body_id b, void* user);

@@ -103,6 +103,11 @@ typedef struct pierce_mesh_info {
 /** Describes a mesh; `info->struct_size` must be set. This is the counterpart of World::mesh(). */
 PIERCE_API pierce_status pierce_mesh(const pierce_world* world, pierce_mesh_id mesh,
                                      pierce_mesh_info* info);
+/** Writes 1 if the mesh is closed, in one piece and convex up to the rounding of its positions,
+ * else 0: a rigid body with it can always leave another such body by its pierce_parting(). Takes n
+ * log n for n triangles. */
+PIERCE_API pierce_status pierce_is_convex(const pierce_world* world, pierce_mesh_id mesh,
+                                          uint32_t* is_convex);
 /** The place of one of a mesh's triangles among those that were given; PIERCE_NO_TRIANGLE if it
  *  closes a hole. Errors: a triangle out of range. */
 PIERCE_API pierce_status pierce_given_triangle(const pierce_world* world, pierce_mesh_id mesh,

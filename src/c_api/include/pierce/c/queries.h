@@ -27,7 +27,8 @@ typedef enum pierce_reason {
     PIERCE_REASON_APART = 16,
     PIERCE_REASON_CLOSE_AT_REST = 17,
     PIERCE_REASON_BESIDE = 18,
-    PIERCE_REASON_NO_TRIANGLE_NAMES_IT = 19
+    PIERCE_REASON_NO_TRIANGLE_NAMES_IT = 19,
+    PIERCE_REASON_UNEXPLAINED = 20
 } pierce_reason;
 
 /** What a certificate proves to be outside. */

@@ -24,7 +24,9 @@ struct Migration {
 /// body belongs to one rank, its owner, which adds it, moves it and asks about it with the calls of
 /// pierce::World. Contacts are those of one world with all bodies, bit for bit, with their ages;
 /// each is found on one rank (docs/scale.md). Each rank decides for itself when proofs rest
-/// (Settings::may_rest), so Contact::found may tell another way to the same contact.
+/// (Settings::may_rest), so Contact::found may tell another way to the same contact. A mesh that
+/// add_mesh() has made from another one is measured anew on other ranks; if it is folded through
+/// itself or inside out, contacts may differ there.
 ///
 /// Calls marked *collective* have to be made by all ranks in the same order. If one of them fails
 /// on a rank, it throws the same message on all ranks; then there are no contacts, and the next
