@@ -70,7 +70,7 @@ def test_a_body_with_another_mesh_is_refused(two_tori):
 def test_filters_and_excluded_pairs_are_recorded(tmp_path):
     world = pierce.World("embree", 1)
     mesh = world.add_mesh(box())
-    bodies = [world.add_rigid_body(mesh, [0.3 * k, 0.1 * k, 0, 0, 0, 0, 1]) for k in range(6)]
+    bodies = [world.add_rigid_body(mesh, [0.25 * k, 0.125 * k, 0, 0, 0, 0, 1]) for k in range(6)]
     world.set_filter(bodies[1], pierce.Filter(groups=2, meets=5))
     world.set_filter(bodies[2], pierce.Filter(chain=7))
     world.set_filter(bodies[3], pierce.Filter(chain=7))

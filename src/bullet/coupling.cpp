@@ -8,6 +8,7 @@
 #include "bullet/foremost.hpp"
 #include "bullet/soft_response.hpp"
 #include "pierce/bullet/bullet_convert.hpp"
+#include "pierce/constants.hpp"
 
 namespace pierce::bullet {
 namespace {
@@ -200,13 +201,16 @@ std::uint32_t Coupling::write_soft(Binding& a, Binding& b, std::span<const Conta
     return count;
 }
 
-/// True for a vertex or an edge that is near another body, but whose surroundings come nearer, such
-/// as a floor's in front of a box that stands on it: a point there would stop what slides.
+/// True for a vertex or an edge that is near another body, or hardly in it, but whose surroundings
+/// come nearer, such as a floor's in front of a box that stands on it: a point there would stop
+/// what slides.
 bool Coupling::is_aside(const Contact& contact, const Binding& a, const Binding& b) const {
-    if (contact.found != Found::near) return false;
     const bool from_a = contact.source == Side::a;
     const Binding& source = from_a ? a : b;
     const MeshView mesh = world_.mesh(world_.mesh_of(source.body)).view({});
+    const double touch = constants::touch_tolerance * mesh.box.extent();
+    if (contact.found != Found::near && contact.penetration_depth() > constants::skin * touch)
+        return false;
     const btVector3 out = to_bullet(from_a ? contact.normal : -contact.normal);
     const Vec3d way = from_bullet(out * source.object->getWorldTransform().getBasis());
     return !(contact.is_edge() ? is_foremost(mesh, contact.vertex, contact.edge_end, way)

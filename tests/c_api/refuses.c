@@ -192,6 +192,9 @@ static void meshes(scene* s) {
     REFUSES(pierce_given_triangle(w, mesh, 0, &given), "was removed");
     REFUSES(pierce_given_triangle(w, s->mesh, torus_triangles, &given), "has no triangle");
     REFUSES(pierce_given_triangle(w, s->mesh, 0, NULL), "given is null");
+    REFUSES(pierce_is_convex(NULL, s->mesh, &given), "world is null");
+    REFUSES(pierce_is_convex(w, mesh, &given), "was removed");
+    REFUSES(pierce_is_convex(w, s->mesh, NULL), "is_convex is null");
 
     WORKS(pierce_default_mesh_check_options(&check, sizeof check));
     REFUSES(pierce_check_mesh(NULL, nv, i, nt, NULL, &report), "positions is null");
@@ -221,6 +224,8 @@ static void bodies(scene* s, pierce_body_id stale) {
     pierce_body_id soft = 0;
     double at[3], pose[7], bad[7] = {0, 0, 0, 0, 0, 0, 1};
     uint32_t motion = 0;
+    const pierce_body_pair* pairs = NULL;
+    size_t pair_count = 0;
     const float* p = s->shape.positions;
     bad[1] = (double)INFINITY;
     REFUSES(pierce_add_fixed_body(NULL, s->mesh, NULL, &body), "world is null");
@@ -297,6 +302,11 @@ static void bodies(scene* s, pierce_body_id stale) {
     REFUSES(pierce_exclude(w, s->above, stale), "was removed");
     REFUSES(pierce_include(NULL, s->above, s->below), "world is null");
     REFUSES(pierce_include(w, stale, s->above), "was removed");
+    REFUSES(pierce_include(w, s->above, s->above), "are no pair");
+    REFUSES(pierce_excluded_pairs(NULL, &pairs, &pair_count), "world is null");
+    REFUSES(pierce_excluded_pairs(w, NULL, &pair_count), "pairs is null");
+    REFUSES(pierce_excluded_pairs(w, &pairs, NULL), "count is null");
+    REFUSES(pierce_set_poses(w, NULL, 0xffffffffu, bad), "bodies is null");
     REFUSES(pierce_set_pair_filter(NULL, meet_all, NULL), "world is null");
     REFUSES(pierce_set_pair_filter(NULL, NULL, NULL), "world is null");
 }

@@ -10,7 +10,7 @@
 
 #include "core/geometry/continuous.hpp"
 #include "core/mesh_build/box_tree.hpp"
-#include "core/mesh_build/mesh_topology.hpp"
+#include "core/overlap/foremost_features.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
@@ -26,19 +26,6 @@ bool enters(const MovingPoint& p, const MovingPoint& a, const MovingPoint& b, co
     const Vec3d of_face = way(a) + impact.u * (way(b) - way(a)) + impact.v * (way(c) - way(a));
     return !(dot(outward, way(p) - of_face) > 0);
 }
-
-/// The corners of every vertex of a surface.
-struct VertexCorners {
-    std::vector<std::uint32_t> begin;
-    std::vector<Corner> corners;
-
-    explicit VertexCorners(const MovingSurface& surface) {
-        std::tie(begin, corners) = corners_of(surface.triangles, surface.points.size());
-    }
-    std::span<const Corner> of(std::uint32_t vertex) const {
-        return std::span(corners).subspan(begin[vertex], begin[vertex + 1] - begin[vertex]);
-    }
-};
 
 class Search {
 public:
@@ -117,31 +104,19 @@ private:
         return min_of(weight, 1 - weight) * length(to.start - from.start) > 2 * skin_;
     }
 
-    /// True if no triangle around the vertex reaches further against the way `outward`, which a
-    /// face has that meets it. Otherwise the face only passes over it with its border, as the front
-    /// of what slides over a floor passes over the floor's vertices.
-    bool is_foremost(const MovingSurface& of, const VertexCorners& around, std::uint32_t vertex,
-                     double time, Vec3d outward) const {
-        const Vec3d at = at_time(of.points[vertex], time), n = normalized(outward);
-        const auto is_behind = [&](std::uint32_t u) {
-            return -dot(n, at_time(of.points[u], time) - at) <= skin_;
-        };
-        return std::ranges::all_of(around.of(vertex), [&](const Corner& c) {
-            return is_behind(c.next) && is_behind(c.previous);
-        });
-    }
-
-    /// True if no triangle at the edge reaches further along the way `n` than the edge.
-    bool is_foremost_edge(const MovingSurface& of, const VertexCorners& around, std::uint32_t from,
-                          std::uint32_t to, double time, Vec3d n) const {
-        const Vec3d at = at_time(of.points[from], time);
-        const auto is_behind = [&](std::uint32_t u) {
-            return dot(n, at_time(of.points[u], time) - at) <= skin_;
-        };
-        return std::ranges::all_of(around.of(from), [&](const Corner& c) {
-            return (c.next != to || is_behind(c.previous)) &&
-                   (c.previous != to || is_behind(c.next));
-        });
+    /// True for a place on a face that is as near to one of its sides as what has sunk in by
+    /// rounding is deep.
+    bool is_at_border(const MovingPoint& a, const MovingPoint& b, const MovingPoint& c,
+                      const Impact& impact) const {
+        const Vec3d at[3] = {at_time(a, impact.time), at_time(b, impact.time),
+                             at_time(c, impact.time)};
+        const double weight[3] = {1 - impact.u - impact.v, impact.u, impact.v},
+                     twice_area = length(cross(at[1] - at[0], at[2] - at[0]));
+        for (int k = 0; k < 3; ++k)
+            if (weight[k] * twice_area <=
+                constants::skin * skin_ * length(at[(k + 2) % 3] - at[(k + 1) % 3]))
+                return true;
+        return false;
     }
 
     void look_at_vertex(const MovingSurface& of, std::uint32_t t, std::uint32_t k,
@@ -155,7 +130,7 @@ private:
             const Vec3d from = at_time(a, impact.time);
             return is_foremost(
                 of, around_[second], v, impact.time,
-                cross(at_time(b, impact.time) - from, at_time(c, impact.time) - from));
+                cross(at_time(b, impact.time) - from, at_time(c, impact.time) - from), skin_);
         };
         const auto find_inside = [&](Impact& impact) {
             const MovingPoint in{skin_ * normalized(cross(b.start - a.start, c.start - a.start)),
@@ -172,7 +147,8 @@ private:
             // Where the surface is hollow, there is a gap between its faces within the skin.
             const std::vector<MovingPoint>& in_face = (second ? inner_first_ : inner_second_)
                                                           .points;
-            return enters_through(in_face[corner[0]], in_face[corner[1]], in_face[corner[2]]);
+            return enters_through(in_face[corner[0]], in_face[corner[1]], in_face[corner[2]]) &&
+                   (!is_at_border(a, b, c, impact) || comes_first(impact));
         };
         const auto describe = [&](const Impact& impact) {
             const double time = impact.time;
@@ -243,13 +219,19 @@ private:
             return is_inner(at.u, first_.points[from], first_.points[to]) &&
                    is_inner(at.v, second_.points[begin], second_.points[end]);
         };
+        const auto come_first = [&](const Impact& at, Vec3d normal) {
+            return is_foremost_edge(first_, around_[0], from, to, at.time, normal, skin_) &&
+                   is_foremost_edge(second_, around_[1], begin, end, at.time, -normal, skin_);
+        };
         if (!meets(
                 begins_in_skin, [&](Impact& at) { return find(first_, second_, at); },
-                [&](Impact& at) { return find(inner_first_, inner_second_, at); }, describe,
+                [&](Impact& at) {
+                    return find(inner_first_, inner_second_, at) &&
+                           come_first(at, describe(at).normal);
+                },
+                describe,
                 [&](const Impact& at, Vec3d normal) {
-                    return is_within(at) &&
-                           is_foremost_edge(first_, around_[0], from, to, at.time, normal) &&
-                           is_foremost_edge(second_, around_[1], begin, end, at.time, -normal);
+                    return is_within(at) && come_first(at, normal);
                 },
                 impact, found))
             return;

@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "pierce/error.hpp"
 #include "pierce/reference_backends.hpp"
@@ -456,6 +460,49 @@ TEST(ImpactsTest, ASmallBodyOnALargeFloor) {
         EXPECT_EQ(world.impacts().size(), 1u) << half;
         world.set_motion(box, {{0, 0, -1e-4}, upright}, {{0, 0, -2e-4}, upright});
         EXPECT_TRUE(world.impacts().empty()) << half << ": they overlap as the step begins";
+    }
+}
+
+/// A box slides over a floor of squares, into which rounding has sunk it: no border of a square is
+/// in its way.
+TEST(ImpactsTest, WhatSlidesOverSquaresMeetsNoneOfTheirBorders) {
+    MeshData floor = scenes::grid(8, 4, 8, 4);
+    for (Vec3f& p : floor.positions) p.z = 0;
+    const auto top = static_cast<std::uint32_t>(floor.positions.size());
+    for (std::uint32_t v = 0; v < top; ++v) {
+        Vec3f below = floor.positions[v];
+        below.z = -1;
+        floor.positions.push_back(below);
+    }
+    const std::vector<Triangle> upper = floor.triangles;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+    for (const Triangle& t : upper) {
+        floor.triangles.push_back({{top + t.vertex[0], top + t.vertex[2], top + t.vertex[1]}});
+        for (int k = 0; k < 3; ++k) sides.emplace(t.vertex[k], t.vertex[(k + 1) % 3]);
+    }
+    for (const auto& [a, b] : sides)
+        if (!sides.contains({b, a})) {
+            floor.triangles.push_back({{b, a, top + a}});
+            floor.triangles.push_back({{b, top + a, top + b}});
+        }
+    World world;
+    const MeshId squares = world.add_mesh("floor", floor);
+    ASSERT_TRUE(world.mesh(squares).traits().closed());
+    ASSERT_GT(world.mesh(squares).traits().volume, 0);
+    world.add_fixed_body(squares);
+    const BodyId box = world.add_rigid_body(
+        world.add_mesh("box", scenes::box({-0.5f, -0.4f, 0}, {0.5f, 0.4f, 0.6f})));
+    test::Random random(1);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    for (int k = 0; k < 300; ++k) {
+        const auto some = [&](double size) { return size * random.uniform(-1, 1); };
+        const double x = (k % 2 == 0 ? 0.5 : 0.4) + some(1e-5), y = 0.65 + some(1e-5),
+                     z = some(3e-6) - 1e-6;
+        const Quaternion turn{some(2e-6), some(2e-6), 0, 1};
+        world.set_motion(box, {{x, y, z}, turn},
+                         {{x + 1.0 / 6, y, z - random.uniform(0, 3e-3)}, turn});
+        for (const ImpactContact& impact : world.impacts(8))
+            EXPECT_GT(impact.normal.z, 0.9) << k << ": " << impact.normal.x;
     }
 }
 

@@ -282,10 +282,7 @@ struct CullBlock {
                          CullItem* patches) const {
         const std::uint32_t i = Share::group_of(item);
         if (records.size > 0 && Share::first() == 0) records[i].first_patch = place;
-        const CullItem block = blocks[i];
-        for (std::uint32_t left = mask; left != 0; left &= left - 1)
-            patches[place++] = {block.directed,
-                                block.index * constants::block_size + lowest_bit(left)};
+        write_parts(blocks[i], constants::block_size, mask, place, patches);
     }
 
 private:
