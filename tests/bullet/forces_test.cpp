@@ -95,8 +95,10 @@ TEST(PenaltyForceTest, ConservesMomentumToRounding) {
 TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {
     test::Random random(4);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t seen = 0;
     for (int i = 0; i < 10; ++i) {
         const Overlap overlap(random);
+        seen += overlap.world.contacts().size();
         for (const Contact& c : overlap.world.contacts()) {
             const bullet::FramedContact f = bullet::face_frame(c);
             const Vec3d apart = f.point_a - f.point_b;
@@ -107,6 +109,7 @@ TEST(ContactFrameTest, PointsLieOneDepthApartAlongTheNormal) {
                 << "a face's depth is never more than the ray's";
         }
     }
+    EXPECT_GT(seen, 100u);
 }
 
 TEST(SimulationTest, ATorusComesToRestOnThePlane) {

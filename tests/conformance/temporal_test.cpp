@@ -190,11 +190,13 @@ TEST_P(TemporalTest, ABodyThatGrowsASpikeIsSeenToTouch) {
 TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
     test::Random random(22);
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    std::size_t seen = 0;
     for (bool predict : {false, true})
         for (int scene = 0; scene < 3; ++scene) {
             TwoWorlds worlds(GetParam(), with(Temporal::paper, predict), random);
             for (int step = 0; step < 60; ++step) {
                 worlds.step();
+                seen += worlds.remembering().contacts().size();
                 for (const Contact& c : worlds.remembering().contacts()) {
                     // Whatever it missed, what it reports is there: on the hit triangle, at the
                     // depth it says.
@@ -211,6 +213,7 @@ TEST_P(TemporalTest, PaperModeHoldsNothingStale) {
                 }
             }
         }
+    EXPECT_GT(seen, 1000u);
 }
 
 /// A ball that sinks into a plate. The paper's mode does not see vertices that enter between full

@@ -9,6 +9,12 @@
 namespace pierce::fuzz {
 namespace {
 
+/// An answer as text. One that the step disagrees with is a defect.
+std::string explained(const Explanation& answer) {
+    if (answer.reason == Reason::unexplained) throw std::logic_error(answer.text());
+    return answer.text();
+}
+
 void put(std::ostream& text, double x) {
     text << std::hex << std::bit_cast<std::uint64_t>(x + 0.0) << ' ';
 }
@@ -168,7 +174,7 @@ std::string Player::answer(const Call& c) {
             return text.str();
         }
         case Kind::explain:
-            return world_.explain(body(c.body), body(c.other), c.vertex).text();
+            return explained(world_.explain(body(c.body), body(c.other), c.vertex));
         case Kind::cast_rays:
             return to_text(world_.cast_rays(c.pose.position, in_double(c.positions)),
                            [](std::ostream& text, const RayHit& hit) {

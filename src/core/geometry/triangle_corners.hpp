@@ -16,6 +16,9 @@ struct TriangleCorners {
         : a(to_double(positions[t.vertex[0]])),
           b(to_double(positions[t.vertex[1]])),
           c(to_double(positions[t.vertex[2]])) {}
+
+    /// The normal, as long as twice the area.
+    PIERCE_HD Vec3d normal() const { return cross(b - a, c - a); }
 };
 
 }  // namespace pierce

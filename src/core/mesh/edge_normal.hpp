@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/device/view.hpp"
+#include "core/geometry/triangle_corners.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "pierce/constants.hpp"
 #include "pierce/mesh.hpp"
@@ -10,10 +11,7 @@ namespace pierce {
 /// The unit normal of a triangle; zero if it has no area.
 PIERCE_HD inline Vec3d triangle_normal(const MeshView& mesh, View<const Vec3f> positions,
                                        std::uint32_t triangle) {
-    const Triangle& t = mesh.triangles[triangle];
-    const Vec3d a = to_double(positions[t.vertex[0]]);
-    return normalized(
-        cross(to_double(positions[t.vertex[1]]) - a, to_double(positions[t.vertex[2]]) - a));
+    return normalized(TriangleCorners(positions, mesh.triangles[triangle]).normal());
 }
 
 /// The unit outward normal of an edge: halfway between the normals of its triangles. So its

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/device/view.hpp"
+#include "core/geometry/triangle_corners.hpp"
 #include "pierce/mesh.hpp"
 
 namespace pierce {
@@ -16,6 +17,10 @@ struct Surface {
     double touch = 0;                ///< [length] no ray against it has a larger touch tolerance
     View<const Cover> covered = {};  ///< per triangle; empty if no parts overlap, or if crossings
                                      ///< are looked at one by one
+
+    PIERCE_HD TriangleCorners corners(std::uint32_t triangle) const {
+        return {positions, triangles[triangle]};
+    }
 };
 
 }  // namespace pierce

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/workers.hpp"
+#include "core/geometry/triangle_corners.hpp"
 #include "core/geometry/triangle_pair.hpp"
 #include "pierce/mesh.hpp"
 #include "pierce/vec3.hpp"
@@ -23,9 +24,7 @@ inline Vec3d middle_of(std::span<const Vec3f> positions, const Triangle& t) {
 }
 
 inline double area_of(std::span<const Vec3f> positions, const Triangle& t) {
-    const Vec3d a = to_double(positions[t.vertex[0]]);
-    return 0.5 * length(cross(to_double(positions[t.vertex[1]]) - a,
-                              to_double(positions[t.vertex[2]]) - a));
+    return 0.5 * length(TriangleCorners(view_of(positions), t).normal());
 }
 
 /// Where a triangle is asked about what is around it: in the middle and near each corner, since

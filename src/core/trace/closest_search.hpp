@@ -19,11 +19,8 @@ PIERCE_HD inline Vec3d in_box_of(Vec3d q, Vec3d a, Vec3d b, Vec3d c) {
 /// triangle's box, so no box around the triangle is further from `p` than this point, to the last
 /// bit.
 PIERCE_HD inline Vec3d closest_point(Vec3d p, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Vec3d a = to_double(surface.positions[t.vertex[0]]),
-                b = to_double(surface.positions[t.vertex[1]]),
-                c = to_double(surface.positions[t.vertex[2]]);
-    return in_box_of(closest_on_triangle(p, a, b, c), a, b, c);
+    const TriangleCorners at = surface.corners(triangle);
+    return in_box_of(closest_on_triangle(p, at.a, at.b, at.c), at.a, at.b, at.c);
 }
 
 /// Distance from `p` to a triangle of the surface.
@@ -33,11 +30,7 @@ PIERCE_HD inline double distance_to(Vec3d p, const Surface& surface, std::uint32
 
 /// True if a way leads behind a triangle's plane by more than the touch tolerance.
 PIERCE_HD inline bool leads_into(Vec3d way, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Vec3d a = to_double(surface.positions[t.vertex[0]]),
-                b = to_double(surface.positions[t.vertex[1]]),
-                c = to_double(surface.positions[t.vertex[2]]);
-    return dot(normalized(cross(b - a, c - a)), way) < -surface.touch;
+    return dot(normalized(surface.corners(triangle).normal()), way) < -surface.touch;
 }
 
 /// The search for the triangle of a surface that is closest to a point and no further away than a
@@ -63,11 +56,8 @@ public:
         if (!(distance < limit_ || (distance == limit_ && triangle < triangle_))) return;
         for (const std::uint32_t other : kept_out_)
             if (other != no_triangle && leads_into(way, surface_, other)) return;
-        const Triangle& t = surface_.triangles[triangle];
-        if (is_degenerate(to_double(surface_.positions[t.vertex[0]]),
-                          to_double(surface_.positions[t.vertex[1]]),
-                          to_double(surface_.positions[t.vertex[2]])))
-            return;
+        const TriangleCorners at = surface_.corners(triangle);
+        if (is_degenerate(at.a, at.b, at.c)) return;
         limit_ = distance;
         triangle_ = triangle;
     }

@@ -218,10 +218,8 @@ private:
 /// How a ray's line meets a triangle of the surface.
 PIERCE_HD inline Crossing crossing_of(const Ray& ray, const Surface& surface,
                                       std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    return cross_triangle({ray.origin, ray.direction}, to_double(surface.positions[t.vertex[0]]),
-                          to_double(surface.positions[t.vertex[1]]),
-                          to_double(surface.positions[t.vertex[2]]));
+    const TriangleCorners at = surface.corners(triangle);
+    return cross_triangle({ray.origin, ray.direction}, at.a, at.b, at.c);
 }
 
 /// True if the ray leaves the surface through `triangle`, or lies in it.

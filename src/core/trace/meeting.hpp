@@ -41,11 +41,9 @@ PIERCE_HD inline Meeting meeting_of(const Crossing& crossing, const Ray& ray, Ve
 /// The meeting of a ray with a triangle of a surface, computed from the triangle itself, so that no
 /// tracer's arithmetic reaches a result.
 PIERCE_HD inline Meeting meet(const Ray& ray, const Surface& surface, std::uint32_t triangle) {
-    const Triangle& t = surface.triangles[triangle];
-    const Vec3d a = to_double(surface.positions[t.vertex[0]]);
-    const Vec3d b = to_double(surface.positions[t.vertex[1]]);
-    const Vec3d c = to_double(surface.positions[t.vertex[2]]);
-    return meeting_of(cross_triangle({ray.origin, ray.direction}, a, b, c), ray, a, b, c);
+    const TriangleCorners at = surface.corners(triangle);
+    return meeting_of(cross_triangle({ray.origin, ray.direction}, at.a, at.b, at.c), ray, at.a,
+                      at.b, at.c);
 }
 
 }  // namespace pierce

@@ -33,8 +33,9 @@ void require_address(const void* address, const char* what) {
 
 /// Gives bodies the poses pose_at(k), where k is the first of their seven numbers. Throws before
 /// any change if one of them cannot have a pose there.
-template <class State, class PoseAt>
-void set_device_pose(State& state, std::span<const BodyId> bodies, const PoseAt& pose_at) {
+template <class PoseAt>
+void set_device_pose(WorldInside::State& state, std::span<const BodyId> bodies,
+                     const PoseAt& pose_at) {
     state.check_have_poses(bodies);
     if (state.planned && state.plan.sheets)
         throw InputError("a world with a sheet cannot have poses in device memory");

@@ -52,15 +52,15 @@ bool overlap_at_start(const MovingSurface& a, const MovingSurface& b) {
     return volume > std::max(touch_at_start(a, b), 2 * grid.step()) * area;
 }
 
+using State = WorldInside::State;
+
 /// The way of a rigid body.
 struct Way {
     Frame start, end;
 };
 
 /// The solids of a world, whose state it is, on their ways: to where they are now, or some of them
-/// from there on. Only those that come near one that moves are looked at vertex by vertex. A
-/// template, as World::State is private.
-template <class State>
+/// from there on. Only those that come near one that moves are looked at vertex by vertex.
 class Ways {
 public:
     /// `ahead`: per slot, where a body is going; null: all bodies are on their way to where they
@@ -151,9 +151,7 @@ private:
     std::vector<std::optional<MovingSurface>> surfaces_;
 };
 
-template <class State>
-std::vector<ImpactContact> impacts_of(const State& s, Ways<State> ways,
-                                      std::uint32_t most_per_pair) {
+std::vector<ImpactContact> impacts_of(const State& s, Ways ways, std::uint32_t most_per_pair) {
     const auto& slots = s.bodies.slots();
     std::vector<ImpactContact> found;
     if (ways.count() == 0) return found;

@@ -246,10 +246,8 @@ private:
     /// cross no other triangle, none of it is inside.
     PIERCE_HD static bool is_in_front(const BodyView& target, std::uint32_t triangle,
                                       const PlacedEdge& edge) {
-        const Triangle& t = target.mesh.triangles[triangle];
-        const Vec3d a = to_double(target.positions[t.vertex[0]]);
-        const Vec3d normal = cross(to_double(target.positions[t.vertex[1]]) - a,
-                                   to_double(target.positions[t.vertex[2]]) - a);
+        const TriangleCorners at = target.surface().corners(triangle);
+        const Vec3d a = at.a, normal = at.normal();
         const double lost = constants::double_rounding * length(normal) *
                             (target.fit_box.extent() + length(edge.a - a) + length(edge.b - a));
         return min_of(dot(normal, edge.a - a), dot(normal, edge.b - a)) > lost;

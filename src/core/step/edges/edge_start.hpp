@@ -5,7 +5,6 @@
 
 #include "core/body/body_view.hpp"
 #include "core/geometry/triangle.hpp"
-#include "core/geometry/triangle_corners.hpp"
 #include "core/mesh/box_nodes.hpp"
 #include "core/step/edges/edge_triangles.hpp"
 #include "core/step/edges/near_edges.hpp"
@@ -27,7 +26,7 @@ PIERCE_HD inline std::uint32_t entered_at_start(const BodyView& target,
     std::int64_t weight = 0;
     std::uint32_t entry = no_triangle;
     triangles.each([&](std::uint32_t t) {
-        const TriangleCorners at(surface.positions, surface.triangles[t]);
+        const TriangleCorners at = surface.corners(t);
         const Crossing crossing = cross_triangle(line, at.a, at.b, at.c);
         if (crossing.kind != Crossing::transversal || std::fabs(crossing.t) > ray.touch) return;
         const std::int64_t share = crossing_share(line, at.a, at.b, at.c, crossing);
@@ -53,7 +52,7 @@ PIERCE_HD inline std::uint32_t parts_behind_start(const BodyView& target, const 
             for (; mask != 0; mask &= mask - 1) {
                 const std::uint32_t t = target.mesh.group_triangles[group * constants::group_size +
                                                                     lowest_bit(mask)];
-                const TriangleCorners at(surface.positions, surface.triangles[t]);
+                const TriangleCorners at = surface.corners(t);
                 const Crossing crossing = cross_triangle(line, at.a, at.b, at.c);
                 if (crossing.kind != Crossing::transversal || !(crossing.t > ray.touch)) continue;
                 const std::int64_t share = crossing_share(line, at.a, at.b, at.c, crossing);

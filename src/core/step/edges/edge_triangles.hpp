@@ -135,12 +135,8 @@ public:
         const ShearedRay line(ray.origin, ray.direction);
         hold_ = triangles.are_listed();
         for (std::uint32_t k = 0; hold_ && k < triangles.count(); ++k) {
-            const Triangle& t = surface.triangles[triangles[k]];
-            add(triangles[k],
-                cross_triangle(line, to_double(surface.positions[t.vertex[0]]),
-                               to_double(surface.positions[t.vertex[1]]),
-                               to_double(surface.positions[t.vertex[2]])),
-                ray);
+            const TriangleCorners at = surface.corners(triangles[k]);
+            add(triangles[k], cross_triangle(line, at.a, at.b, at.c), ray);
         }
         for (std::uint32_t k = 1; k < count_; ++k) hold_ &= t_[k] > t_[k - 1] + ray.touch;
     }

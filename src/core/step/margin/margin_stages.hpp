@@ -145,12 +145,9 @@ struct MeasureNear {
         if (!(queries[i].t_max >= 0) || closest[i] == no_triangle) return;
         Ray ray = queries[i];
         const BodyView& target = bodies[ray.target];
-        const Triangle& t = target.mesh.triangles[closest[i]];
-        const Vec3d a = to_double(target.positions[t.vertex[0]]),
-                    b = to_double(target.positions[t.vertex[1]]),
-                    c = to_double(target.positions[t.vertex[2]]);
-        const TrianglePlace place = closest_place_on_triangle(ray.origin, a, b, c);
-        const Vec3d point = a + place.second * (b - a) + place.third * (c - a),
+        const TriangleCorners at = target.surface().corners(closest[i]);
+        const TrianglePlace place = closest_place_on_triangle(ray.origin, at.a, at.b, at.c);
+        const Vec3d point = at.a + place.second * (at.b - at.a) + place.third * (at.c - at.a),
                     way = ray.origin - point;
         const double distance = length(way);
         const bool touches = !(distance > ray.touch);
@@ -159,7 +156,8 @@ struct MeasureNear {
         // Rounding decides where so short a way leads. A vertex that is inside by less has a
         // contact by its ray, or none.
         ray.direction = normalized(
-            touches ? normal_touched(target, closest[i], place, inward_of(sources[i])) : way);
+            touches ? normal_touched(target, closest[i], place, inward_of(sources[i]), ray.touch)
+                    : way);
         rays[i] = ray;
         hits[i] = {closest[i]};
         meetings[i] = {

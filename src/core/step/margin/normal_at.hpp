@@ -124,17 +124,24 @@ PIERCE_HD inline Vec3d normal_at(const BodyView& body, std::uint32_t triangle,
                : most_facing_normal(body, way, v, t.vertex[3 - place.zero - place.corner]);
 }
 
-/// The normal of the surface for what touches it at a place and goes on along `inward`, a direction
-/// into its own body: of the triangle there, or, on an edge or in a corner, of that triangle around
-/// it which faces `inward` most. Not of length 1.
+/// The normal of the surface for what touches it at a place, within `touch` [length], and goes on
+/// along `inward`, a direction into its own body: of the triangle there, or, on an edge or in a
+/// corner, of that triangle around it which faces `inward` most. Not of length 1.
 PIERCE_HD inline Vec3d normal_touched(const BodyView& body, std::uint32_t triangle,
-                                      const TrianglePlace& at, Vec3d inward) {
+                                      const TrianglePlace& at, Vec3d inward, double touch) {
     const MeshView& mesh = body.mesh;
-    const double weight[3] = {1 - at.second - at.third, at.second, at.third};
+    const TriangleCorners corners = body.surface().corners(triangle);
+    const double per_height = touch / length(corners.normal());
+    double weight[3] = {1 - at.second - at.third, at.second, at.third};
+    const double side[3] = {length(corners.c - corners.b), length(corners.a - corners.c),
+                            length(corners.b - corners.a)};
+    for (int k = 0; k < 3; ++k)
+        if (weight[k] <= per_height * side[k]) weight[k] = 0;
     const PlaceKind place(weight);
     Vec3d best = triangle_normal(mesh, body.positions, triangle);
     const auto consider = [&](Vec3d normal) {
-        if (dot(normal, inward) > dot(best, inward)) best = normal;
+        if (!(length_squared(normal) > 0)) return;  // no area
+        if (!(length_squared(best) > 0) || dot(normal, inward) > dot(best, inward)) best = normal;
     };
     if (place.zeros == 1) {
         const std::uint32_t across = mesh.neighbors[triangle].across[place.zero];

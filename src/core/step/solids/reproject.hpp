@@ -108,11 +108,8 @@ private:
     }
 
     PIERCE_HD static bool is_closest(const BodyView& target, Vec3d point, std::uint32_t triangle) {
-        const Triangle& t = target.mesh.triangles[triangle];
-        return OverTriangle(point, to_double(target.positions[t.vertex[0]]),
-                            to_double(target.positions[t.vertex[1]]),
-                            to_double(target.positions[t.vertex[2]]))
-            .is_closest(target, triangle);
+        const TriangleCorners at = target.surface().corners(triangle);
+        return OverTriangle(point, at.a, at.b, at.c).is_closest(target, triangle);
     }
 };
 
@@ -174,15 +171,12 @@ private:
             triangle = closest[i];
             ridge = {};
         }
-        const Triangle& t = surface.triangles[triangle];
-        const Vec3d a = to_double(surface.positions[t.vertex[0]]),
-                    b = to_double(surface.positions[t.vertex[1]]),
-                    c = to_double(surface.positions[t.vertex[2]]);
+        const TriangleCorners at = surface.corners(triangle);
         const Vec3d point = ridge.exists() ? closest_on(RidgeEnds(surface, ridge), ray.origin)
                                            : closest_point(ray.origin, surface, triangle);
         const Vec3d way = point - ray.origin;
         const double depth = length(way);
-        if (!(is_known || depth < depth_of_ray) || is_degenerate(a, b, c)) return false;
+        if (!(is_known || depth < depth_of_ray) || is_degenerate(at.a, at.b, at.c)) return false;
         const bool touches = !(depth > ray.touch);
         // The closest point of a triangle that is covered partly may lie in another part, but not
         // where a ray has left.
@@ -190,9 +184,9 @@ private:
             surface.covered[triangle] != Cover::none)
             return false;
         // Rounding decides where so short a way leads.
-        ray.direction = normalized(touches ? cross(b - a, c - a) : way);
+        ray.direction = normalized(touches ? at.normal() : way);
         hits[candidate] = {triangle};
-        meetings[candidate] = meeting_at(point, touches ? 0.0 : depth, a, b, c);
+        meetings[candidate] = meeting_at(point, touches ? 0.0 : depth, at.a, at.b, at.c);
         return true;
     }
 };
