@@ -35,8 +35,8 @@ std::vector<std::uint32_t> places_among(std::size_t size, const nb::object& amon
     if (among.is_none()) return places;
     const nb::object numpy = nb::module_::import_("numpy");
     // Indexing knows masks and negative places, and refuses what is out of range.
-    const nb::object named = numpy.attr("arange")(
-        size, nb::arg("dtype") = numpy.attr("uint32"))[among];
+    const nb::object named = numpy.attr("arange")(size,
+                                                  nb::arg("dtype") = numpy.attr("uint32"))[among];
     const auto view = nb::cast<nb::ndarray<const std::uint32_t, nb::ndim<1>, nb::c_contig>>(
         numpy.attr("ascontiguousarray")(named));
     places.assign(view.data(), view.data() + view.size());

@@ -403,6 +403,7 @@ private:
         const bool asks = scene.plan->misses_no_overlap() || scene.plan->reprojects;
         pairs_.marks.resize(asks ? count_of(pairs_.pairs) : Count{0u});
         pairs_.deep.resize(asks ? 2 * count_of(pairs_.pairs) : Count{0u});
+        pairs_.depth.resize(asks && scene.plan->margins ? count_of(pairs_.pairs) : Count{0u});
         executor_.emit(ListId::pair_blocks, directed_count,
                        stages::DirectPair{.bodies = bodies,
                                           .pairs = view_of(pairs_.pairs),
@@ -492,7 +493,11 @@ private:
                                                      view_of(routes_.full_rays)});
     }
 
-    stages::PairMarks marks() { return {view_of(pairs_.marks), view_of(pairs_.deep)}; }
+    stages::PairMarks marks() {
+        return {.words = view_of(pairs_.marks),
+                .deep = view_of(pairs_.deep),
+                .depth = view_of(pairs_.depth)};
+    }
 
     StepOfPairs<E> step_of_pairs(const Scene& scene) {
         return {.scene = scene,
@@ -609,16 +614,20 @@ private:
 
     /// Sorts the contacts' keys. With margins it leaves out vertices that are near and in contact
     /// by a ray, too.
-    void sort_contacts(bool margins) {
+    void sort_contacts(const Scene& scene) {
         const int bits = ContactKey::pair_shift +
                          std::bit_width(static_cast<std::uint32_t>(pairs_.pairs.size()));
-        if (!margins)
+        if (!scene.plan->margins)
             return tools_.sort(bits, sort_.keys, sort_.values, now_.contact_keys, sort_.order);
         tools_.sort(bits, sort_.keys, sort_.values, with_duplicates_.keys, with_duplicates_.order);
         executor_.emit(
             ListId::first_contacts, count_of(with_duplicates_.keys),
             stages::DropDuplicates{.sources = view_of(batch_.sources),
                                    .candidates = view_of(batch_.candidates),
+                                   .bodies = scene.bodies,
+                                   .pairs = view_of(pairs_.pairs),
+                                   .chords = edges_.chords(),
+                                   .meetings = view_of(batch_.meetings),
                                    .order = view_of(std::as_const(with_duplicates_.order)),
                                    .keys = view_of(std::as_const(with_duplicates_.keys))},
             now_.contact_keys, sort_.order);
@@ -646,7 +655,7 @@ private:
         else
             executor_.emit(ListId::contacts, candidates,
                            FindAfter(own_exit_test(scene.bodies), keys), sort_.keys, sort_.values);
-        sort_contacts(scene.plan->margins);
+        sort_contacts(scene);
         const Count total = count_of(now_.contact_keys);
         if (scene.plan->misses_no_overlap() || scene.plan->margins)
             executor_.for_each(total, stages::OrderChords{.chords = edges_.chords(),

@@ -128,6 +128,7 @@ struct PairLists {
     Buffer<std::uint32_t> links;  ///< per pair, which of the last step's pairs it was
     Buffer<std::uint32_t> marks;  ///< per pair (PairMarks); empty if nobody asks for them
     Buffer<std::uint32_t> deep;   ///< likewise, two per pair
+    Buffer<std::uint32_t> depth;  ///< likewise, of steps with margins
 };
 
 /// Vertices that may be inside, by blocks and patches.

@@ -301,9 +301,8 @@ inline constexpr double meeting_tolerance = 0.5 * float_ulp;
 inline constexpr int meeting_halvings = 40;
 
 /// Advances of a search for a meeting, after which it answers that there is one. Measured on two
-/// layers of cloth that shake through each other: 12 where they meet, 69 at most. Where a vertex
-/// stays close to a turning face all the time, a search takes 8 advances over the square root of
-/// the relative gap.
+/// layers of cloth that shake through each other: 12 where they meet, 69 at most. Close beside a
+/// turning face, a search takes 8 advances over the square root of the relative gap.
 inline constexpr int meeting_advances = 1 << 14;
 
 /// A solid is not in contact with itself at places that are closer together than this at rest [mean
@@ -319,6 +318,8 @@ inline constexpr double wedge_cosine = -0.5, wedge_slack = 0.1;
 /// Between edges at an angle with at least this sine, the way at right angles to both is known as a
 /// unit vector to `way_slack` if it is longer than the touch tolerance of their coordinates [1].
 inline constexpr double edges_sine = 0.01, way_slack = 1e-6;
+/// How far ridges may have passed each other [depth of the deepest contact] and [margin].
+inline constexpr double passed_depths = 1.5, passed_share = 1.0 / 16;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

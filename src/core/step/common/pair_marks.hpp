@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 #include "core/device/atomics.hpp"
@@ -28,9 +29,21 @@ struct PairMarks {
     View<std::uint32_t> deep;  ///< two per pair: how many vertices of the body of each side are
                                ///< inside the other one by more than the touch tolerance
 
+    View<std::uint32_t> depth;  ///< per pair, of its deepest contact, as the bits of a float32;
+                                ///< empty if there are no margins
+
     PIERCE_HD void begin(std::uint32_t pair, std::uint32_t bits) const {
         words[pair] = bits;
         deep[2 * pair] = deep[2 * pair + 1] = 0;
+        if (depth.size > 0) depth[pair] = 0;
+    }
+    /// [length] How deep the pair's deepest contact is so far, if that is known.
+    PIERCE_HD double depth_of(std::uint32_t pair) const {
+        return depth.size > 0 ? static_cast<double>(std::bit_cast<float>(depth[pair])) : 0.0;
+    }
+    PIERCE_HD void note_depth(std::uint32_t pair, double its) const {
+        if (depth.size > 0)
+            atomic_max(depth[pair], std::bit_cast<std::uint32_t>(static_cast<float>(its)));
     }
     PIERCE_HD bool any(std::uint32_t pair, std::uint32_t bits) const {
         return (atomic_read(words[pair]) & bits) != 0;

@@ -29,8 +29,8 @@ PIERCE_HD inline bool is_faced(const BodyView& body, std::uint32_t edge, Vec3d p
            !is_covered(body, faces, place, out);
 }
 
-/// Per pair of edges: a chord that stands for the point of the first one, and a contact that is not
-/// deep, if both are ridges of their solids there. Both join the step's.
+/// Per pair of edges: a chord that stands for the point of the first one, and a contact, if both
+/// are ridges of their solids there. Both join the step's.
 struct JoinEdgePairs {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
@@ -58,12 +58,13 @@ struct JoinEdgePairs {
         ray.origin = from;
         const Edge& edge = source.mesh.edges[pair.edge];
         const EdgeWedge wedge(source, d.to_space, edge, EdgeFaces(source, edge), d.touch);
-        ray.direction = -wedge.direction_to(to - from, placed.b - placed.a, ends.to - ends.from);
+        const Vec3d way = wedge.direction_to(to - from, placed.b - placed.a, ends.to - ends.from);
+        ray.direction = pair.passed ? way : -way;
         ray.target = d.target;
         ray.touch = d.touch;
         Meeting meeting;
         const double distance = length(to - from);
-        meeting.t = distance > d.touch ? -distance : 0.0;
+        meeting.t = !(distance > d.touch) ? 0.0 : pair.passed ? distance : -distance;
         meeting.barycentric[pair.corner] = 0;
         meeting.barycentric[pair.corner == 2 ? 0 : pair.corner + 1] = 1 - pair.other_along;
         meeting.barycentric[pair.corner == 0 ? 2 : pair.corner - 1] = pair.other_along;

@@ -29,6 +29,16 @@ PIERCE_HD inline double edge_margin_of(View<const BodyView> bodies, View<const D
                : 0.0;
 }
 
+/// [length] How far two ridges of a pair that is in contact may have passed each other and still be
+/// in contact: hardly further than the pair is deep, and no further than its margin.
+PIERCE_HD inline double passed_margin_of(const PairMarks& marks, std::uint32_t direction,
+                                         double margin) {
+    const std::uint32_t pair = direction / 2;
+    if (marks.depth.size == 0 || !marks.any(pair, PairMarks::in_contact)) return 0;
+    return min_of(
+        constants::passed_depths * marks.depth_of(pair) + constants::passed_share * margin, margin);
+}
+
 /// Per directed pair whose edges have a margin: lists its source's blocks of edges.
 struct ListMarginEdgeBlocks {
     View<const BodyView> bodies;
@@ -152,6 +162,7 @@ struct FindGroupsNearRidge {
     View<const BodyView> bodies;
     View<const DirectedPair> directed;
     View<const NearRidge> ridges;
+    PairMarks marks;
 
     /// The first groups. Measured: with four of them, so many soft tori of a lattice look twice
     /// that steps take 2 % longer on an H200.
@@ -191,7 +202,8 @@ private:
         const BodyView &source = bodies[d.source], &target = bodies[d.target];
         const double margin = edge_margin_of(bodies, directed, ridge.directed);
         const Edge& edge = source.mesh.edges[ridge.edge];
-        const Box reach = reach_of_ridge(source, d.to_space, edge, ridge.faces, margin, d.touch);
+        const Box reach = reach_of_ridge(source, d.to_space, edge, ridge.faces, margin, d.touch)
+                              .inflated(passed_margin_of(marks, ridge.directed, margin));
         for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size),
                        boxes_along({source, d, edge}, target, margin, reach),
                        [&](std::uint32_t group, std::uint32_t mask) {
@@ -208,7 +220,7 @@ struct NearEdgePair {
     std::uint32_t other_edge = 0;
     std::uint32_t triangle = 0;  ///< of the other edge, opposite to `corner`
     std::uint32_t corner = 0;
-    std::uint32_t padding = 0;
+    std::uint32_t passed = 0;           ///< 1: the two have passed each other
     double along = 0, other_along = 0;  ///< the other edge runs as RidgeEnds has it
 };
 
@@ -220,6 +232,7 @@ struct FindEdgePairs {
     View<const DirectedPair> directed;
     View<const NearRidge> ridges;
     View<const RidgeNearGroup> near;
+    PairMarks marks;
 
     /// The sides of triangles at which the first pairs are.
     struct Found {
@@ -253,7 +266,7 @@ private:
     struct Look {
         const BodyView& target;
         std::uint32_t directed = 0, edge = 0;
-        double margin = 0, touch = 0;  ///< [length]
+        double margin = 0, passed = 0, touch = 0;  ///< [length]; `passed`: as passed_margin_of()
         PlacedEdge placed;
         double largest = 0;  ///< coordinate of the target and of `placed`
         EdgeWedge wedge;
@@ -274,16 +287,19 @@ private:
             const Vec3d from = placed.a + places.first * (placed.b - placed.a),
                         to = ends.from + places.second * (ends.to - ends.from), way = to - from;
             if (!(length(way) < margin)) return;
-            const Vec3d direction = wedge.direction_to(way, placed.b - placed.a,
-                                                       ends.to - ends.from);
-            if (!(length_squared(direction) > 0) || !wedge.faces(direction)) return;
+            Vec3d direction = wedge.direction_to(way, placed.b - placed.a, ends.to - ends.from);
+            if (!(length_squared(direction) > 0)) return;
+            const bool have_passed = !wedge.faces(direction) && length(way) <= passed;
+            if (have_passed) direction = -direction;
+            if (!wedge.faces(direction)) return;
             const Edge& other = target.mesh.edges[features.edge[k]];
             const EdgeFaces faces = EdgeFaces::as_given(target.mesh, other);
             if (!faces.exist() || (!is_beside_thin(ends, faces) &&
                                    !(is_ridge(target, other, faces, touch) &&
                                      EdgeWedge(target, {}, other, faces, touch).faces(-direction))))
                 return;
-            see({directed, edge, features.edge[k], t, corner, 0, places.first, places.second});
+            see({directed, edge, features.edge[k], t, corner, have_passed, places.first,
+                 places.second});
         }
 
         /// False if the edges are certainly not closest to each other between their ends, within
@@ -296,8 +312,11 @@ private:
                 return to_double(target.positions[target.mesh.triangles[t].vertex[corner]]) -
                        ends.from;
             };
-            return !way.is_longer_than(margin) && !wedge.excludes(way) &&
-                   (may_have_thin(target) || !way.leads_over(over(), -1, touch));
+            const auto may_be = [&](const WayBetween& out, double most) {
+                return !out.is_longer_than(most) && !wedge.excludes(out) &&
+                       (may_have_thin(target) || !out.leads_over(over(), -1, touch));
+            };
+            return may_be(way, margin) || (passed > 0 && may_be(way.reversed(), passed));
         }
 
         PIERCE_HD bool is_beside_thin(const RidgeEnds& ends, const EdgeFaces& faces) const {
@@ -318,10 +337,12 @@ private:
         Box around = positions_box(bodies[d.target]);
         around.extend(placed.a);
         around.extend(placed.b);
+        const double margin = edge_margin_of(bodies, directed, ridge.directed);
         return {bodies[d.target],
                 ridge.directed,
                 ridge.edge,
-                edge_margin_of(bodies, directed, ridge.directed),
+                margin,
+                passed_margin_of(marks, ridge.directed, margin),
                 d.touch,
                 placed,
                 around.max_coordinate(),

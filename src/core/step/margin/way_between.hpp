@@ -24,6 +24,13 @@ public:
         if (!(along > 0)) way_ = -way_;
     }
 
+    /// The way back, of edges that have passed each other.
+    PIERCE_HD WayBetween reversed() const {
+        WayBetween back = *this;
+        back.way_ = -way_;
+        return back;
+    }
+
     /// Below the angle and the distance from which on rounding does not decide.
     PIERCE_HD bool is_known() const { return is_known_; }
     /// True if it is certainly longer than `most`.

@@ -111,21 +111,29 @@ private:
 };
 
 /// Per contact in the order of their keys: lists all but vertices that are near, if the same vertex
-/// is in contact by a ray, too. Rounding may see a vertex on both sides of a surface that it
+/// is in contact by a ray, too, and ridges that have passed each other, if a chord of one of them
+/// over the other is in contact. Rounding may see a vertex on both sides of a surface that it
 /// touches.
 struct DropDuplicates {
     View<const RaySource> sources;
-    View<const std::uint32_t> candidates, order;
+    View<const std::uint32_t> candidates;
+    View<const BodyView> bodies;
+    View<const Pair> pairs;
+    View<const Chord> chords;
+    View<const Meeting> meetings;  ///< per ray
+    View<const std::uint32_t> order;
     View<const std::uint64_t> keys;
 
     static constexpr bool in_order = true;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        const bool has_other = (i > 0 && keys[i - 1] == keys[i]) ||
-                               (i + 1 < keys.size && keys[i + 1] == keys[i]);
-        if (!has_other || (order[i] & taken_over)) return true;
-        const RaySource& from = sources[candidates[order[i]]];
-        return from.start != RayStart::vertex || !from.is_near;
+        if (order[i] & taken_over) return true;
+        const std::uint32_t ray = candidates[order[i]];
+        const RaySource& from = sources[ray];
+        if (!from.is_near) return true;
+        if (from.start == RayStart::chord)
+            return !(meetings[ray].t > 0) || !has_chord_over_ridge(from);
+        return !(i > 0 && keys[i - 1] == keys[i]) && !(i + 1 < keys.size && keys[i + 1] == keys[i]);
     }
     PIERCE_HD static std::uint32_t count(bool stays) { return stays; }
     PIERCE_HD void write(std::uint32_t i, bool stays, std::uint32_t place, std::uint64_t* keys_left,
@@ -137,6 +145,28 @@ struct DropDuplicates {
     /// Past the last contact, the largest key, as a sort has it.
     PIERCE_HD static void pad(std::uint32_t place, std::uint64_t* keys_left, std::uint32_t*) {
         keys_left[place] = ~std::uint64_t{0};
+    }
+
+private:
+    PIERCE_HD bool has_chord_over_ridge(const RaySource& near) const {
+        const Chord& c = chords[near.item];
+        return is_chord_over(near.pair, near.side, c.edge, c.ordinal) ||
+               is_chord_over(near.pair, 1u - near.side, c.ordinal, c.edge);
+    }
+    /// True if a chord of an edge of one body is in contact and lies over a ridge of the other one.
+    PIERCE_HD bool is_chord_over(std::uint32_t pair, std::uint32_t side, std::uint32_t edge,
+                                 std::uint32_t ridge) const {
+        const MeshView& target = bodies[pairs[pair].target(side)].mesh;
+        const std::uint64_t key = ContactKey::of_edge(pair, side, edge);
+        for (std::uint32_t k = first_not_less(keys, key); k < keys.size && keys[k] == key; ++k) {
+            const RaySource& from = sources[candidates[order[k]]];
+            const Ridge over = chords[from.item].ridge;
+            if (!from.is_near && over.exists() &&
+                target.features[over.triangle].edge[over.corner == 2 ? 0 : over.corner + 1] ==
+                    ridge)
+                return true;
+        }
+        return false;
     }
 };
 

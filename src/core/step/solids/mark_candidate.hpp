@@ -88,6 +88,7 @@ struct MarkCandidate {
                 bits |= PairMarks::runs_inside;
         }
         if (bits != 0) marks.set(from.pair, bits);
+        if (is_kept && is_deep) marks.note_depth(from.pair, depth);
         if (is_kept && is_deep && is_vertex && !marks.any(from.pair, PairMarks::has_way_out) &&
             shows_way_out(
                 from, (has_moved ? moved_rays[candidate] : rays[candidates[candidate]]).direction))
