@@ -96,7 +96,9 @@ private:
                         "is " + std::to_string(dot(c.point_b - c.point_a, c.normal)));
         if (!model_.may_meet(*a.body, *b.body)) return fail("the bodies meet", c);
         const bool is_near = !c.of_sheet && c.found == Found::near;
-        if (is_near && !(c.distance >= 0 && c.distance < model_.margin(*a.body, *b.body)))
+        const double margin = model_.margin(*a.body, *b.body),
+                     least = c.is_edge() ? -constants::passed_share * margin : 0.0;
+        if (is_near && !(c.distance >= least && c.distance < margin))
             return fail("what is near is nearer than the margin", c);
         if (!c.of_sheet && !is_near && c.distance > 0)
             return fail("solids in contact are not apart", c);

@@ -318,8 +318,8 @@ inline constexpr double wedge_cosine = -0.5, wedge_slack = 0.1;
 /// Between edges at an angle with at least this sine, the way at right angles to both is known as a
 /// unit vector to `way_slack` if it is longer than the touch tolerance of their coordinates [1].
 inline constexpr double edges_sine = 0.01, way_slack = 1e-6;
-/// How far ridges may have passed each other [depth of the deepest contact] and [margin].
-inline constexpr double passed_depths = 1.5, passed_share = 1.0 / 16;
+/// How far ridges of a pair may have passed each other [margin].
+inline constexpr double passed_share = 0.25;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

@@ -29,14 +29,17 @@ PIERCE_HD inline double edge_margin_of(View<const BodyView> bodies, View<const D
                : 0.0;
 }
 
-/// [length] How far two ridges of a pair that is in contact may have passed each other and still be
-/// in contact: hardly further than the pair is deep, and no further than its margin.
+/// [length] How far two ridges of a pair may have passed each other and still be in contact: a
+/// share of the margin, if the pair is in contact and no deeper than that. Measured: with the whole
+/// margin for deep pairs, a step of 8,192 pairs of deforming tori takes three times as long on an
+/// H200.
 PIERCE_HD inline double passed_margin_of(const PairMarks& marks, std::uint32_t direction,
                                          double margin) {
     const std::uint32_t pair = direction / 2;
-    if (marks.depth.size == 0 || !marks.any(pair, PairMarks::in_contact)) return 0;
-    return min_of(
-        constants::passed_depths * marks.depth_of(pair) + constants::passed_share * margin, margin);
+    const double most = constants::passed_share * margin;
+    const bool is_shallow = marks.depth.size > 0 && marks.any(pair, PairMarks::in_contact) &&
+                            marks.depth_of(pair) <= most;
+    return is_shallow ? most : 0.0;
 }
 
 /// Per directed pair whose edges have a margin: lists its source's blocks of edges.
