@@ -113,8 +113,10 @@ private:
         executor_.emit(ListId::margin_ridges, count_of(edges_),
                        stages::KeepNearRidges{bodies, step.directed, view_of(edges_)}, ridges_);
         executor_.emit(ListId::margin_ridge_groups, count_of(ridges_),
-                       stages::FindGroupsNearRidge{bodies, step.directed,
-                                                   view_of(std::as_const(ridges_)), step.marks},
+                       stages::FindGroupsNearRidge{.bodies = bodies,
+                                                   .directed = step.directed,
+                                                   .ridges = view_of(std::as_const(ridges_)),
+                                                   .marks = step.marks},
                        ridge_groups_);
         executor_.emit(ListId::near_edge_pairs, count_of(ridge_groups_),
                        stages::FindEdgePairs{.bodies = bodies,
