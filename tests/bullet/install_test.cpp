@@ -481,18 +481,23 @@ bool count_point(btManifoldPoint& point, const btCollisionObjectWrapper*, int, i
     return true;
 }
 
-TEST(InstallTest, TheProgramsOwnCallbackChangesPoints) {
-    StockWorld scene;
+/// Shows the points of two bodies of a shape that overlap to a program's callback.
+void show_points(StockWorld& scene, btCollisionShape& shape, ContactAddedCallback callback) {
     bullet::install(scene.bullet, scene.contacts);
-    const auto shape = MeshShape::gimpact(ring);
-    scene.add(*shape->shape, 1, at(0, 0, 0));
-    btRigidBody& special = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
+    scene.add(shape, 1, at(0, 0, 0));
+    btRigidBody& special = scene.add(shape, 1, at(0.3f, 0, 0.3f));
     special.setCollisionFlags(special.getCollisionFlags() |
                               btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
     callbacks = 0;
-    gContactAddedCallback = count_point;
+    gContactAddedCallback = callback;
     scene.bullet.performDiscreteCollisionDetection();
     gContactAddedCallback = nullptr;
+}
+
+TEST(InstallTest, TheProgramsOwnCallbackChangesPoints) {
+    StockWorld scene;
+    const auto shape = MeshShape::gimpact(ring);
+    show_points(scene, *shape->shape, count_point);
     EXPECT_GT(callbacks, 0);
     EXPECT_EQ(callbacks, scene.points());
     EXPECT_EQ(scene.dispatcher.getManifoldByIndexInternal(0)->getContactPoint(0).m_combinedFriction,
@@ -516,16 +521,9 @@ bool looks_at_directions(btManifoldPoint& point, const btCollisionObjectWrapper*
 /// Belts move what lies on them along the directions of friction that a point comes with.
 TEST(InstallTest, PointsComeWithDirectionsOfFriction) {
     StockWorld scene;
-    bullet::install(scene.bullet, scene.contacts);
     const auto shape = MeshShape::gimpact(ring);
-    scene.add(*shape->shape, 1, at(0, 0, 0));
-    btRigidBody& special = scene.add(*shape->shape, 1, at(0.3f, 0, 0.3f));
-    special.setCollisionFlags(special.getCollisionFlags() |
-                              btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK);
-    callbacks = points_without_directions = 0;
-    gContactAddedCallback = looks_at_directions;
-    scene.bullet.performDiscreteCollisionDetection();
-    gContactAddedCallback = nullptr;
+    points_without_directions = 0;
+    show_points(scene, *shape->shape, looks_at_directions);
     EXPECT_GT(callbacks, 0);
     EXPECT_EQ(points_without_directions, 0);
 }

@@ -201,6 +201,19 @@ TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
     EXPECT_GT(edges_past, 3u);
 }
 
+/// Its ridge runs along y, and its sides go down.
+MeshData roof() {
+    return {{{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},
+            {{{0, 2, 3}},
+             {{0, 3, 1}},
+             {{0, 1, 5}},
+             {{0, 5, 4}},
+             {{2, 4, 5}},
+             {{2, 5, 3}},
+             {{0, 4, 2}},
+             {{1, 3, 5}}}};
+}
+
 TEST_P(MarginTest, AContactGoesThroughTouchWithoutAJump) {
     // A tetrahedron's tip comes down on a face, and then an edge on an edge.
     const MeshData box = scenes::box({-1, -1, -1}, {1, 1, 0});
@@ -219,21 +232,11 @@ TEST_P(MarginTest, AContactGoesThroughTouchWithoutAJump) {
     for (MeshData* mesh : {&tip, &blade})
         for (Triangle& t : mesh->triangles) std::swap(t.vertex[1], t.vertex[2]);
     const Pose across{{0, 0, 0}, {0, 0, 0.25f, 1}};
-    const MeshData ridge{
-        {{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},
-        {{{0, 2, 3}},
-         {{0, 3, 1}},
-         {{0, 1, 5}},
-         {{0, 5, 4}},
-         {{2, 4, 5}},
-         {{2, 5, 3}},
-         {{0, 4, 2}},
-         {{1, 3, 5}}}};
     for (const bool edges : {false, true}) {
         Settings settings;
         settings.margin = 0.1;
         World world(GetParam().make(), settings);
-        world.add_fixed_body(world.add_mesh("below", edges ? ridge : box));
+        world.add_fixed_body(world.add_mesh("below", edges ? roof() : box));
         const BodyId above = world.add_rigid_body(world.add_mesh("above", edges ? blade : tip));
         std::vector<Contact> last;
         for (int step = 0; step <= 40; ++step) {
@@ -342,22 +345,12 @@ TEST_P(MarginTest, WhatTouchesHasTheNormalOfTheSurface) {
 
 TEST_P(MarginTest, EdgesThatTouchAreInContact) {
     // Two roofs, the ridge of one across that of the other.
-    const MeshData roof = {
-        {{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},
-        {{{0, 2, 3}},
-         {{0, 3, 1}},
-         {{0, 1, 5}},
-         {{0, 5, 4}},
-         {{2, 4, 5}},
-         {{2, 5, 3}},
-         {{0, 4, 2}},
-         {{1, 3, 5}}}};
     for (const double size : {1.0, 1024.0}) {
         Settings settings;
         settings.margin = 0.1 * size;
         settings.coverage = Coverage::complete;
         World world(GetParam().make(), settings);
-        MeshData below = roof, above;
+        MeshData below = roof(), above;
         for (Vec3f& p : below.positions) p = static_cast<float>(size) * p;
         above = below;
         for (Vec3f& p : above.positions) p = {p.y, p.x, -p.z};
