@@ -201,21 +201,22 @@ std::uint32_t Coupling::write_soft(Binding& a, Binding& b, std::span<const Conta
     return count;
 }
 
-/// True for a vertex or an edge that is near another body, or hardly in it, but whose surroundings
-/// come nearer, such as a floor's in front of a box that stands on it: a point there would stop
-/// what slides.
-bool Coupling::is_aside(const Contact& contact, const Binding& a, const Binding& b) const {
-    const bool from_a = contact.source == Side::a;
-    const Binding& source = from_a ? a : b;
-    const MeshView mesh = world_.mesh(world_.mesh_of(source.body)).view({});
+namespace {
+
+/// True for a vertex or an edge of a mesh that is near another body, or hardly in it, but whose
+/// surroundings come nearer, such as a floor's in front of a box that stands on it: a point there
+/// would stop what slides.
+bool is_aside(const Contact& contact, const btCollisionObject& source, const MeshView& mesh) {
     const double touch = constants::touch_tolerance * mesh.box.extent();
     if (contact.found != Found::near && contact.penetration_depth() > constants::skin * touch)
         return false;
-    const btVector3 out = to_bullet(from_a ? contact.normal : -contact.normal);
-    const Vec3d way = from_bullet(out * source.object->getWorldTransform().getBasis());
+    const btVector3 out = to_bullet(contact.source == Side::a ? contact.normal : -contact.normal);
+    const Vec3d way = from_bullet(out * source.getWorldTransform().getBasis());
     return !(contact.is_edge() ? is_foremost(mesh, contact.vertex, contact.edge_end, way)
                                : is_foremost(mesh, contact.vertex, way));
 }
+
+}  // namespace
 
 bool Coupling::is_convex(Binding& binding) const {
     const MeshId mesh = world_.mesh_of(binding.body);
@@ -264,7 +265,12 @@ void Coupling::write(PairAlgorithm& algorithm, Binding& first, Binding& second) 
     const std::span<const ImpactContact> impacts = impacts_of(a.body, b.body);
     // Most pairs whose boxes overlap have nothing to write, and had nothing.
     if (contacts.empty() && impacts.empty() && algorithm.has_no_points()) return;
-    const auto is_left_out = [&](const Contact& c) { return is_aside(c, a, b); };
+    const MeshView meshes[2] = {world_.mesh(world_.mesh_of(a.body)).view({}),
+                                world_.mesh(world_.mesh_of(b.body)).view({})};
+    const auto is_left_out = [&](const Contact& c) {
+        return c.source == Side::a ? is_aside(c, *a.object, meshes[0])
+                                   : is_aside(c, *b.object, meshes[1]);
+    };
     std::vector<Contact> others;
     const bool leaves_out = std::ranges::any_of(contacts, is_left_out);
     if (leaves_out) std::ranges::remove_copy_if(contacts, std::back_inserter(others), is_left_out);

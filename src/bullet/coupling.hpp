@@ -84,7 +84,6 @@ private:
     std::uint32_t write_soft(Binding& a, Binding& b, std::span<const Contact> contacts);
     bool is_convex(Binding& binding) const;
     std::optional<Parting> way_apart(Binding& a, Binding& b, std::span<const Contact> contacts);
-    bool is_aside(const Contact& contact, const Binding& a, const Binding& b) const;
 
     World& world_;
     std::uint32_t most_per_pair_;

@@ -15,6 +15,16 @@
 /// What is around the place where an edge begins.
 namespace pierce::stages {
 
+/// What a clean crossing counts.
+inline constexpr std::int64_t clean_crossing = 2 * constants::half_turn;
+
+/// What the crossing of a line with a triangle counts: positive where it leads out.
+PIERCE_HD inline std::int64_t signed_share(const ShearedRay& line, const TriangleCorners& at,
+                                           const Crossing& crossing) {
+    const std::int64_t share = crossing_share(line, at.a, at.b, at.c, crossing);
+    return crossing.sign > 0 ? share : -share;
+}
+
 /// The triangle of the target with the smallest id through which an edge enters where it begins, if
 /// it begins on the surface of `parts` parts, in which it is a touch tolerance further on: its
 /// crossings within the tolerance lead into all of them. `ray` runs along the edge.
@@ -29,12 +39,11 @@ PIERCE_HD inline std::uint32_t entered_at_start(const BodyView& target,
         const TriangleCorners at = surface.corners(t);
         const Crossing crossing = cross_triangle(line, at.a, at.b, at.c);
         if (crossing.kind != Crossing::transversal || std::fabs(crossing.t) > ray.touch) return;
-        const std::int64_t share = crossing_share(line, at.a, at.b, at.c, crossing);
-        weight += crossing.sign > 0 ? share : -share;
+        weight += signed_share(line, at, crossing);
         if (!(crossing.sign > 0)) entry = min_of(t, entry);
     });
-    const std::int64_t clean = 2 * constants::half_turn;
-    return weight + (parts - 1) * clean <= -constants::crossing_weight ? entry : no_triangle;
+    return weight + (parts - 1) * clean_crossing <= -constants::crossing_weight ? entry
+                                                                                : no_triangle;
 }
 
 /// How many parts of the target there are a touch tolerance behind the place where an edge begins:
@@ -55,13 +64,12 @@ PIERCE_HD inline std::uint32_t parts_behind_start(const BodyView& target, const 
                 const TriangleCorners at = surface.corners(t);
                 const Crossing crossing = cross_triangle(line, at.a, at.b, at.c);
                 if (crossing.kind != Crossing::transversal || !(crossing.t > ray.touch)) continue;
-                const std::int64_t share = crossing_share(line, at.a, at.b, at.c, crossing);
-                weight += crossing.sign > 0 ? share : -share;
+                weight += signed_share(line, at, crossing);
             }
             return false;
         });
-    const std::int64_t clean = 2 * constants::half_turn;
-    return weight > 0 ? static_cast<std::uint32_t>((weight + clean / 2) / clean) : 0;
+    return weight > 0 ? static_cast<std::uint32_t>((weight + clean_crossing / 2) / clean_crossing)
+                      : 0;
 }
 
 }  // namespace pierce::stages
