@@ -112,23 +112,46 @@ Answer are_near(const Placed& a, const Edge& e, const Placed& b, const Edge& f, 
     return both(answer, both(faces(a, e, direction), faces(b, f, -direction)));
 }
 
+const MeshData crate = scenes::box({-0.7, -0.5, -0.6}, {0.5, 0.8, 0.4});
+
+/// Places a second crate such that one of its edges crosses the same edge of a crate at rest:
+/// apart, or past it by less than the share of the margin that is kept. Every other time they
+/// cross beside an end of both, and either end is inside where they have passed each other.
+Pose edge_over_edge(test::Random& random, double margin) {
+    const Vec3d middle{0.5, 0.8, -0.1}, along{0, 0, 1}, out = normalized(Vec3d{1, 1, 0});
+    // Half a turn about an axis across `out` turns the crate over and its edge aside.
+    const double angle = random.uniform(0.3, 1.0);
+    const Vec3d axis = std::cos(angle) * cross(out, along) + std::sin(angle) * along;
+    const Quaternion half_turn{axis.x, axis.y, axis.z, 0};
+    const double gap = random.uniform(-constants::passed_share, 0.1) * margin;
+    const double to_end = random.uniform(0.1, 0.9) * std::fabs(gap);
+    const double where = random.seed() % 2 == 0 ? random.uniform(-0.1, 0.1) : 0.5 - to_end;
+    const Vec3d place = middle + where * along;
+    return {place + gap * out - rotation_matrix(half_turn) * place, half_turn};
+}
+
 TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
-    std::size_t vertices = 0, edges = 0, edges_past = 0;
-    for (std::uint32_t seed = 1; seed <= 460; ++seed) {
+    constexpr std::uint32_t of_any_shape = 24, crates_anywhere = 460, crates = 520;
+    std::size_t vertices = 0, edges = 0, edges_past = 0, crossings_past = 0;
+    for (std::uint32_t seed = 1; seed <= crates; ++seed) {
         test::Random random(seed);
         SCOPED_TRACE("seed " + std::to_string(random.seed()));
-        const double margin = random.uniform(0.02, seed <= 24 ? 0.4 : 0.9);
+        const double margin = random.uniform(0.02, seed <= of_any_shape ? 0.4 : 0.9);
         Settings settings;
         settings.margin = seed % 2 == 0 ? margin : 0.0;
         World world(GetParam().make(), settings);
         std::vector<BodyId> ids;
         for (int k = 0; k < 2; ++k) {
-            const MeshData mesh = seed <= 24 ? test::random_closed_mesh(random)
-                                             : scenes::box({-0.7, -0.5, -0.6}, {0.5, 0.8, 0.4});
-            const Pose pose{
-                k == 0 ? Vec3d{}
-                       : random.uniform(0.9, seed <= 24 ? 1.8 : 2.2) * random.unit_vector(),
-                random.rotation()};
+            const MeshData mesh = seed <= of_any_shape ? test::random_closed_mesh(random) : crate;
+            Pose pose;
+            if (seed <= crates_anywhere) {
+                if (k == 1)
+                    pose.position = random.uniform(0.9, seed <= of_any_shape ? 1.8 : 2.2) *
+                                    random.unit_vector();
+                pose.rotation = random.rotation();
+            } else if (k == 1) {
+                pose = edge_over_edge(random, margin);
+            }
             const MeshId id = world.add_mesh("mesh", mesh);
             ids.push_back(seed % 3 == 0 ? world.add_deforming_body(id, test::placed(mesh, pose))
                                         : world.add_rigid_body(id, pose));
@@ -189,6 +212,7 @@ TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
                                           return c.is_edge() && c.found != Found::near &&
                                                  c.edge == (c.source == Side::a ? e : f);
                                       });
+                crossings_past += is_chord;
                 if (is_chord) continue;
                 ASSERT_EQ(of_edges.contains({e, f}), near == Answer::yes || past == Answer::yes)
                     << "edges " << e << " and " << f;
@@ -198,7 +222,8 @@ TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
     }
     EXPECT_GT(vertices, 300u);
     EXPECT_GT(edges, 30u);
-    EXPECT_GT(edges_past, 3u);
+    EXPECT_GT(edges_past, 10u);
+    EXPECT_GT(crossings_past, 20u);
 }
 
 /// Its ridge runs along y, and its sides go down.
