@@ -18,7 +18,7 @@ from weakref import WeakSet
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import Collision, Contacts, Filter, World
+from ._core import Collision, Contacts, Filter, World, least_reduced
 
 try:
     import mujoco as mj  # type: ignore[import-untyped]
@@ -90,8 +90,10 @@ class MeshContacts:
     ) -> None:
         if any(other.model is model for other in _alive):
             raise ValueError("another MeshContacts has geoms of this model: release() it first")
-        if most_per_pair is not None and most_per_pair < 6:
-            raise ValueError(f"most_per_pair must be at least 6, got {most_per_pair}")
+        if most_per_pair is not None and most_per_pair < least_reduced:
+            raise ValueError(
+                f"most_per_pair must be at least {least_reduced}, got {most_per_pair}"
+            )
         self.model: mj.MjModel = model
         self.geoms = _mesh_geoms(model, geoms)
         self.most_per_pair = most_per_pair

@@ -89,8 +89,10 @@ class CollisionPipeline:
         self.world = _core.World(backend, threads, settings)
         if most_per_pair is not None and self.world.on_device:
             raise ValueError("most_per_pair: only worlds on the host reduce contacts")
-        if most_per_pair is not None and most_per_pair < 6:
-            raise ValueError(f"most_per_pair must be at least 6, got {most_per_pair}")
+        if most_per_pair is not None and most_per_pair < _core.least_reduced:
+            raise ValueError(
+                f"most_per_pair must be at least {_core.least_reduced}, got {most_per_pair}"
+            )
         self._most_per_pair = most_per_pair
         if rigid_contact_max is None:
             rigid_contact_max = model.rigid_contact_max

@@ -45,6 +45,7 @@ NB_MODULE(_core, module) {
         }
     });
     module.attr("all_worlds") = pierce::all_worlds;
+    module.attr("least_reduced") = pierce::least_reduced;
     module.attr("no_vertex") = pierce::no_vertex;
     module.attr("no_triangle") = pierce::no_triangle;
     module.attr("version") = PIERCE_VERSION;

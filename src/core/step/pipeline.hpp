@@ -95,7 +95,8 @@ public:
         stage(StageId::classify, [&] { test_own_exits(scene); });
         stage(StageId::self_overlap,
               [&] { self_overlap_.test(scene, view_of(pairs_.pairs), batch_); });
-        stage(plan.reprojects ? StageId::reproject : StageId::separation, [&] { depths(scene); });
+        stage(plan.reprojects ? StageId::reproject : StageId::separation,
+              [&] { reproject(scene); });
         stage(StageId::separation, [&] { separation(scene); });
         stage(StageId::margin, [&] { margin(scene); });
         // Later stages change neither hits nor own rays.
@@ -104,133 +105,6 @@ public:
         stage(StageId::remember, [&] { remember(scene); });
         stage(StageId::statistics, [&] { count(plan); });
         executor_.join();
-    }
-
-    /// Steps without sheets in which nothing has changed, after one in which nothing had either:
-    /// they would find the same contacts, each one step older.
-    void step_at_rest(std::uint32_t steps) {
-        const bool are_kept = now_.kept.use_count() > 1;
-        Buffer<Contact> same;
-        if (are_kept) same = now_.contacts;
-        now_.leave_contacts();
-        if (are_kept) now_.contacts = std::move(same);
-        executor_.for_each(count_of(now_.contacts),
-                           stages::GrowOlder{view_of(now_.contacts), view_of(now_.ages), steps});
-    }
-
-    /// What the last step did and found.
-    void report(const Plan& plan, StepStats& stats) {
-        stats.pairs = executor_.number(count_of(pairs_.pairs));
-        stats.rays = executor_.number(traced_);
-        stats.contacts = executor_.number(count_of(now_.contacts));
-        stats.hits = executor_.read(sums_.hits);
-        stats.own_rays = executor_.read(sums_.own_rays);
-        if (plan.misses_no_overlap()) {
-            stats.edges = executor_.number(edges_.near_edges());
-            stats.chords = executor_.number(edges_.chord_count()) -
-                           executor_.number(margin_.edge_pairs());
-            stats.rays += separation_.late_rays();
-            stats.inside_tests = separation_.inside_tests();
-            stats.separated_pairs = separation_.deep_pairs();
-        }
-        const TracerCounts after = tracer_.counts(executor_);
-        stats.refits = static_cast<std::uint32_t>(after.refits - reported_.refits);
-        stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
-        stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
-        reported_ = after;
-        stages::ContactSums contacts = plan.casts_rays ? executor_.read(sums_.contacts)
-                                                       : stages::ContactSums{};
-        if (plan.sheets) {
-            contacts = contacts + executor_.read(sums_.sheet_contacts);
-            stats.contacts += executor_.number(count_of(sheets_.contacts()));
-            stats.triangle_pairs = sheets_.triangle_pairs();
-            stats.feature_pairs = sheets_.feature_pairs();
-            stats.crossings = contacts.crossings;
-            stats.remembered = contacts.remembered;
-            stats.tangled = contacts.tangled;
-        }
-        stats.self_contacts = contacts.self;
-        stats.touching_pairs = contacts.touching_pairs;
-        stats.edge_contacts = contacts.edges;
-        stats.reprojected = contacts.reprojected;
-        stats.predictions_true = contacts.predictions_true;
-        stats.penetration_max = contacts.depth_max;
-        if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
-        if (!plan.remembers()) return;
-        const stages::WalkSums walks = executor_.read(sums_.walks);
-        stats.walks = executor_.number(count_of(routes_.walks));
-        stats.walk_steps = walks.steps;
-        stats.lost_walks = walks.lost;
-        if (plan.settings.temporal == Temporal::certified) {
-            stats.certified = executor_.read(sums_.skipped);
-            stats.looks = executor_.read(sums_.looked);
-            stats.proofs = executor_.read(sums_.proofs);
-        }
-        stats.predictions = executor_.read(sums_.predicted);
-        stats.full_passes = executor_.read(sums_.full_passes);
-    }
-
-    /// Makes this step's records those of the last step.
-    void recall(const Plan& plan) {
-        std::swap(now_, last_);
-        // Contacts stay in `now_`, unless the next step may take some over.
-        if (!plan.settings.keeps_contacts()) {
-            std::swap(now_.contacts, last_.contacts);
-            std::swap(now_.kept, last_.kept);
-        }
-        now_.leave_contacts();
-        edges_.recall();
-        sheets_.recall();
-    }
-    /// What the last step has left for the next one.
-    StepMemory memory() const {
-        StepMemory m;
-        now_.save(executor_, m);
-        sheets_.save(m);
-        return m;
-    }
-    /// Makes `m` the last step's memory.
-    void restore(const StepMemory& m) {
-        now_.leave_contacts();
-        now_.restore(executor_, m);
-        edges_.forget();
-        sheets_.restore(m);
-    }
-
-    const Buffer<Contact>& contacts() const { return now_.contacts; }
-    std::shared_ptr<const Contact> keep_contacts() { return now_.keep_contacts(); }
-    /// The contacts of sheets.
-    const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
-    const Buffer<Pair>& pairs() const { return pairs_.pairs; }
-
-    /// The proof that spared a vertex of a pair its ray in the last step, if there was one.
-    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
-                            std::uint32_t vertex) const {
-        const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
-        if (at == pairs_.pairs.end() || now_.directed.empty() || now_.blocks.empty()) return {};
-        const PairMemory&
-            memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
-        const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
-        if (!stages::is_asked(bodies[pair.source(side)], bodies[pair.target(side)], pair.is_self(),
-                              side))
-            return {};
-        const auto place = static_cast<std::uint32_t>(
-            std::find(order.begin(), order.end(), vertex) - order.begin());
-        if (place == order.size) return {};
-        const std::uint32_t patch = place / constants::patch_size;
-        const RecordsView records = now_.of_vertices();
-        const auto until = [&](Certificate::Kind kind, float expiry) {
-            const double left = static_cast<double>(expiry) - memory.odometer;
-            return left > 0 ? Certificate{kind, left} : Certificate{};
-        };
-        const PatchRecord* in_patch = records.patch(memory.first_block, patch);
-        if (in_patch == nullptr)
-            return until(Certificate::patch,
-                         records.blocks[memory.first_block + patch / constants::block_size]
-                             .expiry[patch % constants::block_size]);
-        const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
-        return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
-                                 : until(Certificate::vertex, record->expiry);
     }
 
 private:
@@ -594,9 +468,9 @@ private:
                 .keep = view_of(batch_.keep)};
     }
 
-    // reproject: Contacts move to the closest point of the target's surface. Which pairs have a
-    // contact, and which have depth, is known from then on.
-    void depths(const Scene& scene) {
+    // reproject: Contacts move to the closest point of the target's surface, if the plan asks for
+    // it. Which pairs have a contact, and which have depth, is known from then on.
+    void reproject(const Scene& scene) {
         reprojection_.decide(step_of_pairs(scene), batch_, 0u, count_of(batch_.candidates),
                              edges_.chords(), edges_.flat(),
                              view_of(std::as_const(routes_.routes)));
@@ -768,6 +642,137 @@ private:
         tracer_.add_up(executor_);
     }
 
+public:
+    /// Steps without sheets in which nothing has changed, after one in which nothing had either:
+    /// they would find the same contacts, each one step older.
+    void step_at_rest(std::uint32_t steps) {
+        const bool are_kept = now_.kept.use_count() > 1;
+        Buffer<Contact> same;
+        if (are_kept) same = now_.contacts;
+        now_.leave_contacts();
+        if (are_kept) now_.contacts = std::move(same);
+        executor_.for_each(count_of(now_.contacts),
+                           stages::GrowOlder{view_of(now_.contacts), view_of(now_.ages), steps});
+    }
+
+    /// What the last step did and found.
+    void report(const Plan& plan, StepStats& stats) {
+        stats.pairs = executor_.number(count_of(pairs_.pairs));
+        stats.rays = executor_.number(traced_);
+        stats.contacts = executor_.number(count_of(now_.contacts));
+        stats.hits = executor_.read(sums_.hits);
+        stats.own_rays = executor_.read(sums_.own_rays);
+        if (plan.misses_no_overlap()) {
+            stats.edges = executor_.number(edges_.near_edges());
+            stats.chords = executor_.number(edges_.chord_count()) -
+                           executor_.number(margin_.edge_pairs());
+            stats.rays += separation_.late_rays();
+            stats.inside_tests = separation_.inside_tests();
+            stats.separated_pairs = separation_.deep_pairs();
+        }
+        const TracerCounts after = tracer_.counts(executor_);
+        stats.refits = static_cast<std::uint32_t>(after.refits - reported_.refits);
+        stats.rebuilds = static_cast<std::uint32_t>(after.rebuilds - reported_.rebuilds);
+        stats.triangle_tests = after.triangle_tests - reported_.triangle_tests;
+        reported_ = after;
+        stages::ContactSums contacts = plan.casts_rays ? executor_.read(sums_.contacts)
+                                                       : stages::ContactSums{};
+        if (plan.sheets) {
+            contacts = contacts + executor_.read(sums_.sheet_contacts);
+            stats.contacts += executor_.number(count_of(sheets_.contacts()));
+            stats.triangle_pairs = sheets_.triangle_pairs();
+            stats.feature_pairs = sheets_.feature_pairs();
+            stats.crossings = contacts.crossings;
+            stats.remembered = contacts.remembered;
+            stats.tangled = contacts.tangled;
+        }
+        stats.self_contacts = contacts.self;
+        stats.touching_pairs = contacts.touching_pairs;
+        stats.edge_contacts = contacts.edges;
+        stats.reprojected = contacts.reprojected;
+        stats.predictions_true = contacts.predictions_true;
+        stats.penetration_max = contacts.depth_max;
+        if (stats.contacts > 0) stats.penetration_mean = contacts.depth / stats.contacts;
+        if (!plan.remembers()) return;
+        const stages::WalkSums walks = executor_.read(sums_.walks);
+        stats.walks = executor_.number(count_of(routes_.walks));
+        stats.walk_steps = walks.steps;
+        stats.lost_walks = walks.lost;
+        if (plan.settings.temporal == Temporal::certified) {
+            stats.certified = executor_.read(sums_.skipped);
+            stats.looks = executor_.read(sums_.looked);
+            stats.proofs = executor_.read(sums_.proofs);
+        }
+        stats.predictions = executor_.read(sums_.predicted);
+        stats.full_passes = executor_.read(sums_.full_passes);
+    }
+
+    /// Makes this step's records those of the last step.
+    void recall(const Plan& plan) {
+        std::swap(now_, last_);
+        // Contacts stay in `now_`, unless the next step may take some over.
+        if (!plan.settings.keeps_contacts()) {
+            std::swap(now_.contacts, last_.contacts);
+            std::swap(now_.kept, last_.kept);
+        }
+        now_.leave_contacts();
+        edges_.recall();
+        sheets_.recall();
+    }
+
+    /// What the last step has left for the next one.
+    StepMemory memory() const {
+        StepMemory m;
+        now_.save(executor_, m);
+        sheets_.save(m);
+        return m;
+    }
+
+    /// Makes `m` the last step's memory.
+    void restore(const StepMemory& m) {
+        now_.leave_contacts();
+        now_.restore(executor_, m);
+        edges_.forget();
+        sheets_.restore(m);
+    }
+
+    const Buffer<Contact>& contacts() const { return now_.contacts; }
+    std::shared_ptr<const Contact> keep_contacts() { return now_.keep_contacts(); }
+    /// The contacts of sheets.
+    const Buffer<Contact>& sheet_contacts() const { return sheets_.contacts(); }
+    const Buffer<Pair>& pairs() const { return pairs_.pairs; }
+
+    /// The proof that spared a vertex of a pair its ray in the last step, if there was one.
+    Certificate certificate(View<const BodyView> bodies, Pair pair, std::uint32_t side,
+                            std::uint32_t vertex) const {
+        const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
+        if (at == pairs_.pairs.end() || now_.directed.empty() || now_.blocks.empty()) return {};
+        const PairMemory&
+            memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
+        const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
+        if (!stages::is_asked(bodies[pair.source(side)], bodies[pair.target(side)], pair.is_self(),
+                              side))
+            return {};
+        const auto place = static_cast<std::uint32_t>(
+            std::find(order.begin(), order.end(), vertex) - order.begin());
+        if (place == order.size) return {};
+        const std::uint32_t patch = place / constants::patch_size;
+        const RecordsView records = now_.of_vertices();
+        const auto until = [&](Certificate::Kind kind, float expiry) {
+            const double left = static_cast<double>(expiry) - memory.odometer;
+            return left > 0 ? Certificate{kind, left} : Certificate{};
+        };
+        const PatchRecord* in_patch = records.patch(memory.first_block, patch);
+        if (in_patch == nullptr)
+            return until(Certificate::patch,
+                         records.blocks[memory.first_block + patch / constants::block_size]
+                             .expiry[patch % constants::block_size]);
+        const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
+        return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
+                                 : until(Certificate::vertex, record->expiry);
+    }
+
+private:
     E& executor_;
     T& tracer_;
     StepTools<E, T> tools_;

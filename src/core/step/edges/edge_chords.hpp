@@ -120,13 +120,8 @@ public:
     /// Boxes around the triangles of deforming targets of some groups of edges, if they are not
     /// measured early: then the caller joins.
     void measure_boxes_of(const StepOfPairs<E>& step, const Buffer<stages::CullItem>& groups) {
-        if constexpr (E::traits.overlaps_updates) return;
-        if (step.scene.node_items.size == 0) return;
-        executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
-        executor_.for_each(
-            count_of(groups),
-            stages::MarkTargetsOfGroups{step.directed, view_of(groups), view_of(scratch_.wanted)});
-        measure_boxes(step.scene, view_of(std::as_const(scratch_.wanted)));
+        if constexpr (!E::traits.overlaps_updates)
+            measure_boxes_that_are_wanted(step, groups, [] {});
     }
 
     /// Makes what this step remembers what the last step has left.
@@ -148,16 +143,26 @@ private:
     /// The boxes of the targets that edges may reach, if they were not measured early.
     void measure_boxes_in_reach(const StepOfPairs<E>& step) {
         if constexpr (E::traits.overlaps_updates) return executor_.join();
-        if (step.scene.node_items.size == 0) return;
-        executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
-        executor_.for_each(count_of(near_.groups),
-                           stages::MarkTargetsOfGroups{step.directed, view_of(near_.groups),
-                                                       view_of(scratch_.wanted)});
-        if (step.scene.plan->remembers())
+        measure_boxes_that_are_wanted(step, near_.groups, [&] {
+            if (!step.scene.plan->remembers()) return;
             executor_.for_each(
                 2 * step.count,
                 stages::MarkTargetsOfKept{step.directed, view_of(std::as_const(now_.of_pairs)),
                                           view_of(scratch_.wanted)});
+        });
+    }
+
+    /// Measures the boxes of the targets of `groups`, and of what `mark_more` marks in `wanted`.
+    template <class MarkMore>
+    void measure_boxes_that_are_wanted(const StepOfPairs<E>& step,
+                                       const Buffer<stages::CullItem>& groups,
+                                       const MarkMore& mark_more) {
+        if (step.scene.node_items.size == 0) return;
+        executor_.assign(scratch_.wanted, step.scene.bodies.size, 0u);
+        executor_.for_each(
+            count_of(groups),
+            stages::MarkTargetsOfGroups{step.directed, view_of(groups), view_of(scratch_.wanted)});
+        mark_more();
         measure_boxes(step.scene, view_of(std::as_const(scratch_.wanted)));
     }
 
