@@ -87,16 +87,19 @@ void Coupling::detect() {
     ++detections_;
     for (Binding& binding : bindings_) {
         if (!has_moved(binding)) continue;
-        binding.moved_in = detections_;
+        // What the world refuses has not moved yet.
         if (binding.soft == nullptr) {
-            binding.place = binding.object->getWorldTransform();
-            world_.set_pose(binding.body, from_bullet(*binding.place));
-            continue;
+            const btTransform place = binding.object->getWorldTransform();
+            world_.set_pose(binding.body, from_bullet(place));
+            binding.place = place;
+        } else {
+            moved_.clear();
+            for (int i = 0; i < binding.soft->m_nodes.size(); ++i)
+                moved_.push_back(from_bullet_float(binding.soft->m_nodes[i].m_x));
+            world_.set_positions(binding.body, moved_);
+            std::swap(binding.positions, moved_);
         }
-        binding.positions.clear();
-        for (int i = 0; i < binding.soft->m_nodes.size(); ++i)
-            binding.positions.push_back(from_bullet_float(binding.soft->m_nodes[i].m_x));
-        world_.set_positions(binding.body, binding.positions);
+        binding.moved_in = detections_;
     }
     world_.detect();
     is_indexed_ = false;
@@ -141,7 +144,6 @@ std::span<const ImpactContact> Coupling::impacts_of(BodyId a, BodyId b) const {
 }
 
 void Coupling::index_contacts() {
-    is_indexed_ = true;
     by_pair_.clear();
     const std::span<const Contact> contacts = indexed_ = world_.contacts();
     for (std::size_t begin = 0, end = 0; begin < contacts.size(); begin = end) {
@@ -153,6 +155,7 @@ void Coupling::index_contacts() {
         if (!contacts[begin].of_sheet)
             by_pair_[key(contacts[begin].a, contacts[begin].b)] = {begin, end};
     }
+    is_indexed_ = true;
 }
 
 void Coupling::begin_step() {

@@ -93,6 +93,7 @@ private:
     std::span<const Contact> indexed_;                  ///< World::contacts() as they were then
     std::unordered_map<std::uint64_t, Range> by_pair_;  ///< places there
     bool is_indexed_ = false;                           ///< since the step began
+    std::vector<Vec3f> moved_;                          ///< positions on their way to the world
     std::vector<ImpactContact> impacts_;                ///< sorted by (a, b)
     std::uint64_t detections_ = 0, begun_at_ = 0, lately_ = 0;  ///< see Binding::moved_in
     std::uint32_t written_ = 0, written_self_ = 0;

@@ -108,7 +108,11 @@ public:
     StepMemory memory() const override {
         return given_ ? *given_ : gathered_memory(partition_.owners());
     }
-    void remember(const StepMemory& memory) override { given_ = memory; }
+    void remember(const StepMemory& memory) override {
+        contacts_.clear();
+        pairs_.clear();
+        given_ = memory;
+    }
 
     void closest_hits(View<const BodyView> bodies, View<const Ray> rays, View<Hit> hits) override {
         outside_->closest_hits(bodies, rays, hits);

@@ -380,6 +380,23 @@ TEST(InstallTest, BodiesOfAnotherKindAreNotBound) {
     scene.bullet.stepSimulation(dt, 0);
 }
 
+TEST(InstallTest, AStepThatCannotFollowABodyFailsUntilItIsUnbound) {
+    StockWorld scene;
+    bullet::Installation& installed = bullet::install(scene.bullet, scene.contacts,
+                                                      {.automatic = false});
+    const auto shape = MeshShape::gimpact(ring);
+    btRigidBody& rigid = scene.add(*shape->shape, 1, at(0, 0, 0));
+    const BodyId body = scene.contacts.add_rigid_body(scene.contacts.add_mesh("ring", ring));
+    installed.bind(rigid, body);
+    scene.bullet.stepSimulation(dt, 0);
+    scene.contacts.remove_body(body);
+    rigid.setWorldTransform(at(1, 0, 0));
+    for (int step = 0; step < 2; ++step)
+        EXPECT_THROW(scene.bullet.stepSimulation(dt, 0), InputError);
+    installed.unbind(rigid);
+    EXPECT_NO_THROW(scene.bullet.stepSimulation(dt, 0));
+}
+
 TEST(InstallTest, UninstallGivesTheWorldBack) {
     StockWorld scene;
     const auto shape = MeshShape::gimpact(ring);

@@ -226,6 +226,22 @@ TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
     EXPECT_GT(crossings_past, 20u);
 }
 
+TEST_P(MarginTest, StatisticsForgetAMarginThatIsGone) {
+    test::Random random(1);
+    World world(GetParam().make());
+    const MeshId mesh = world.add_mesh("crate", crate);
+    const BodyId body = world.add_rigid_body(mesh);
+    Pose above = edge_over_edge(random, 0.2);
+    above.position += Vec3d{0.1, 0.1, 0};
+    world.add_rigid_body(mesh, above);
+    world.set_collision(body, {.margin = 0.4});
+    EXPECT_EQ(world.detect().chords, 0u);
+    EXPECT_TRUE(std::ranges::any_of(world.contacts(), &Contact::is_edge));
+    world.set_collision(body, {});
+    EXPECT_EQ(world.detect().chords, 0u);
+    EXPECT_EQ(world.stats().contacts, 0u);
+}
+
 /// Its ridge runs along y, and its sides go down.
 MeshData roof() {
     return {{{0, -2, 0}, {0, 2, 0}, {0.5, -2, -1}, {0.5, 2, -1}, {-0.5, -2, -1}, {-0.5, 2, -1}},

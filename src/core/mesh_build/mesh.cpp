@@ -254,12 +254,15 @@ void Mesh::Parts::make(const MeshNeeds& needs) {
     if (cache && !is_cached && needs != MeshNeeds{}) {
         made = cache->load(view, arrays, view);
         is_cached = true;
+        see_arrays();
     }
     const MeshNeeds had = made;
     Workers workers = make_workers();
-    const auto make_once = [](bool needed, bool& done, auto&& work) {
+    // If memory runs out, what was made before is there as a whole.
+    const auto make_once = [this](bool needed, bool& done, auto&& work) {
         if (!needed || done) return;
         work();
+        see_arrays();
         done = true;
     };
     make_once(needs.clearance, made.clearance, [&] { make_clearance(); });
@@ -270,7 +273,6 @@ void Mesh::Parts::make(const MeshNeeds& needs) {
     make_once(needs.own_exits, made.own_exits,
               [&] { arrays.own_exit = own_exits_of(view, workers); });
     if (made.clearance && made.rings) change.reset();
-    see_arrays();
     if (cache && made != had) cache->store(view, made);
 }
 

@@ -135,7 +135,9 @@ private:
         reprojection_.clear();
         exits_.clear();
         edges_.forget();
+        margin_.forget();
         sheets_.forget();
+        traced_ = 0u;
     }
 
     // bounds: Where bodies are. Reads the vertices of deforming bodies only.

@@ -41,9 +41,9 @@ void set_device_pose(WorldInside::State& state, std::span<const BodyId> bodies,
         throw InputError("a world with a sheet cannot have poses in device memory");
     for (std::size_t k = 0; k < bodies.size(); ++k) {
         BodyEntry& entry = state.bodies.get(bodies[k], "body");
+        state.note_change(bodies[k]);
         entry.device_pose = pose_at(pose_numbers * k);
         entry.usable = true;
-        state.note_change(bodies[k]);
     }
 }
 
@@ -127,11 +127,11 @@ void World::State::put_on_device(BodyId body, const Vec3f* start, const Vec3f* p
     check_has_positions(body);
     require_device(*backend, "positions");
     BodyEntry& entry = bodies.get(body, "body");
+    note_change(body);
     entry.device_positions = positions;
     entry.device_start = start;
     entry.positions_version = next_key++;
     entry.usable = true;
-    note_change(body);
 }
 
 void World::set_device_poses(std::span<const BodyId> bodies, const float* poses) {

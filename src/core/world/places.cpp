@@ -124,7 +124,9 @@ void World::set_positions(std::span<const BodyId> bodies, std::span<const Vec3f>
 void World::set_motion(BodyId body, std::span<const Vec3f> start,
                        std::span<const Vec3f> positions) {
     BodyEntry& entry = state_->bodies.get(body, "body");
+    state_->check_has_positions(body);
     check_count(start.size(), state_->mesh_of(entry));
+    check_count(positions.size(), state_->mesh_of(entry));
     entry.last_positions = nullptr;  // where the last step has ended is no matter
     set_positions(body, positions);
     entry.start.assign(start.begin(), start.end());

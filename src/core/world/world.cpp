@@ -138,8 +138,8 @@ void World::set_collision(BodyId body, const Collision& collision) {
     state_->check_collision(
         entry.motion, state_->mesh_of(entry), collision,
         "body " + std::to_string(body.index) + " of mesh '" + state_->mesh_of(entry).name() + "'");
-    entry.collision = collision;
     state_->change();
+    entry.collision = collision;
 }
 
 const Collision& World::collision_of(BodyId body) const {

@@ -43,10 +43,10 @@ void World::State::begin_world(std::int32_t world) {
 void World::set_filter(BodyId body, const Filter& filter) {
     State::check_filter(filter);
     BodyEntry& entry = state_->bodies.get(body, "body");
+    state_->change();
     state_->begin_world(filter.world);
     entry.filter = filter;
     ++state_->filters_set;
-    state_->change();
 }
 
 const Filter& World::filter_of(BodyId body) const {
@@ -64,14 +64,14 @@ void World::State::check_pair(BodyId a, BodyId b) const {
 
 void World::exclude(BodyId a, BodyId b) {
     state_->check_pair(a, b);
-    state_->excluded.insert({a, b});
     state_->change();
+    state_->excluded.insert({a, b});
 }
 
 void World::include(BodyId a, BodyId b) {
     state_->check_pair(a, b);
-    state_->excluded.erase({a, b});
     state_->change();
+    state_->excluded.erase({a, b});
 }
 
 std::vector<std::pair<BodyId, BodyId>> World::excluded_pairs() const {
@@ -85,8 +85,8 @@ std::vector<std::pair<BodyId, BodyId>> World::excluded_pairs() const {
 void World::set_pair_filter(PairFilter filter) {
     if (filter && !state_->backend->calls_pair_filters())
         throw InputError("pairs are found on a device, which cannot call a pair filter");
-    state_->pair_filter = std::move(filter);
     state_->change();
+    state_->pair_filter = std::move(filter);
 }
 
 std::vector<std::int32_t> World::worlds() const {
@@ -199,13 +199,13 @@ void World::copy_places(std::int32_t from, std::int32_t to) {
     for (BodyId id : there) copies.push_back(copy_of(s.placed_body(id), to));
     for (std::size_t i = 0; i < here.size(); ++i) {
         BodyEntry& body = s.bodies.get(here[i], "body");
+        s.note_change(here[i]);
         body.pose = body.start_pose = copies[i].pose;
         body.start = copies[i].positions;
         body.positions = std::move(copies[i].positions);
         body.leave_device();
         body.usable = copies[i].usable;
         body.moved = false;
-        s.note_change(here[i]);
         if (body.motion == Motion::deforming) body.positions_version = s.next_key++;
     }
 }

@@ -205,6 +205,16 @@ TEST(HostPlacesSheetTest, AMotionBeginsWhereTheBodyIsPutIfItsLastPlaceIsUnknown)
     s.detect("put there again");
 }
 
+TEST(HostPlacesSheetTest, AMotionThatIsRefusedChangesNothing) {
+    Sheet s;
+    s.step(3, 0.5f);
+    const std::vector<Vec3f> too_few(3);
+    EXPECT_THROW(s.there.set_motion(s.sheet, s.at(1), too_few), InputError);
+    for (World* w : {&s.there, &s.here}) w->set_positions(s.sheet, s.at(-0.25f));
+    s.detect("into the box");
+    EXPECT_FALSE(s.there.contacts().empty());
+}
+
 // Nobody reads the start once the step is over, nor the end where set_motion() follows.
 TEST(HostPlacesSheetTest, WhatIsNeededNoMoreMayBeFreed) {
     Sheet s;

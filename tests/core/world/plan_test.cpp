@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <iterator>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
@@ -93,7 +94,7 @@ TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
     const MeshData small = scenes::sphere(1, 1);
     World world(bvh_backend());
     MeshId mesh;
-    BodyId body;
+    BodyId first, body;
     int refused = 0;
     const auto expect_refused = [&](const auto& call) {
         try {
@@ -110,15 +111,53 @@ TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
                                expect_refused([&] { world.detect(); });
                                expect_refused([&] { world.add_rigid_body(mesh); });
                                expect_refused([&] { world.remove_body(body); });
+                               expect_refused([&] { world.set_collision(body, {.margin = 1}); });
+                               expect_refused([&] { world.set_filter(body, {.world = 3}); });
+                               expect_refused([&] { world.exclude(body, first); });
+                               expect_refused([&] { world.include(body, first); });
+                               expect_refused([&] { world.set_pair_filter({}); });
                                world.remove_mesh(world.add_mesh("small", small));
                                expect_refused([&] { world.mesh(mesh).view(); });
                                expect_refused([&] { Mesh("other", small, world.mesh(mesh)); });
                            }});
     is_added = true;
-    for (const double x : {0.0, 1.5}) body = world.add_rigid_body(mesh, {{x, 0, 0}, {}});
+    first = world.add_rigid_body(mesh);
+    body = world.add_rigid_body(mesh, {{1.5, 0, 0}, {}});
     world.detect();
     EXPECT_GT(refused, 0);
     EXPECT_FALSE(world.contacts().empty());
+    EXPECT_EQ(world.collision_of(body).margin, 0);
+    EXPECT_EQ(world.filter_of(body).world, all_worlds);
+    EXPECT_TRUE(world.excluded_pairs().empty());
+}
+
+TEST(PlanTest, AProgressCallbackThatThrowsLeavesWhatWasMade) {
+    const MeshData large = scenes::sphere(1, 7);
+    World world(bvh_backend()), fresh(bvh_backend());
+    int thrown = 0;
+    const auto progress = [&](std::string_view what, double) {
+        if (what != "slabs") return;
+        ++thrown;
+        throw std::runtime_error("enough");
+    };
+    const MeshId mesh = world.add_mesh("large", large, {.threads = 1, .progress = progress});
+    const std::vector<BodyId> rigid{world.add_rigid_body(mesh),
+                                    world.add_rigid_body(mesh, {{1.5, 0, 0}, {}})};
+    EXPECT_THROW(world.detect(), std::runtime_error);
+    EXPECT_GT(thrown, 0);
+    for (const BodyId body : rigid) world.remove_body(body);
+    // These need what was made before the callback threw, and no slabs.
+    MeshData moved = large;
+    for (Vec3f& p : moved.positions) p.x += 1.5f;
+    const MeshId same = fresh.add_mesh("large", large);
+    world.add_deforming_body(mesh);
+    world.add_deforming_body(mesh, moved.positions);
+    fresh.add_deforming_body(same);
+    fresh.add_deforming_body(same, moved.positions);
+    world.detect();
+    fresh.detect();
+    EXPECT_FALSE(world.contacts().empty());
+    EXPECT_EQ(world.contacts().size(), fresh.contacts().size());
 }
 
 }  // namespace

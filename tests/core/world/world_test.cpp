@@ -305,9 +305,10 @@ TEST(WorldTest, SheetsAloneCastNoRays) {
     const MeshId grid = world.add_mesh("sheet", scenes::grid(1, 1, 4, 4));
     const BodyId sheet = world.add_deforming_body(grid);
     world.set_collision(sheet, {SelfCollision::on, true, 0.1});
-    const BodyId box = world.add_rigid_body(world.add_mesh("box", unit_box()), at(0, 0, 0.05));
+    const BodyId box = world.add_rigid_body(world.add_mesh("box", unit_box()), at(0, 0, -0.05));
     world.detect();
     EXPECT_TRUE(world.plan().casts_rays);
+    EXPECT_GT(world.stats().rays, 0u);
     EXPECT_GT(world.contacts().size(), 0u);
 
     world.remove_body(box);

@@ -31,8 +31,6 @@ public:
     /// if steps do not remember.
     void find(const StepOfPairs<E>& step, EdgeChords<E, T>& edges, RayBatch<E>& batch,
               Buffer<Route>& routes) {
-        pairs_.clear();
-        if (!step.scene.plan->margins) return;
         executor_.join();  // boxes around deforming bodies were measured beside the other stages
         executor_.beside([&] { find_vertices(step); });
         find_edge_pairs(step, edges);
@@ -51,6 +49,9 @@ public:
                                          .chords = edges.add_room(found),
                                          .batch = room_in(batch, routes, remembers, found, near_)});
     }
+
+    /// Clears what an earlier step has left.
+    void forget() { pairs_.clear(); }
 
     /// How many pairs of edges were near in the last step.
     Count edge_pairs() const { return count_of(pairs_); }
