@@ -75,8 +75,8 @@ struct BodyBounds {
                            ///< shape under `fit`
     double shape_motion = 0;  ///< [length] no vertex has moved further than this in `fit` since the
                               ///< last step
-    double reach = 0;         ///< [length] how far predictions look
-    double touch = 0;         ///< [length] touch tolerance of this body as a target
+    double prediction_range = 0;  ///< [length] how far predictions look
+    double touch = 0;             ///< [length] touch tolerance of this body as a target
     double travel = 0;   ///< [length] no point has moved further than this since the step began, if
                          ///< there is a sheet
     bool seen = false;   ///< the body took part in the last step, too; set where steps remember
@@ -106,7 +106,9 @@ struct BodyView : BodyShape, BodyInput, BodyBounds {
     }
 
     /// How far beyond its box and its touch tolerance another body may matter to this one.
-    PIERCE_HD double outreach() const { return reach + travel + collision.thickness + margin; }
+    PIERCE_HD double outreach() const {
+        return prediction_range + travel + collision.thickness + margin;
+    }
     /// The same if the other one, or this one, is a sheet.
     PIERCE_HD double outreach_of_sheets() const { return outreach() + memory; }
 

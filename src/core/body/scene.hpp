@@ -78,7 +78,7 @@ struct Scene {
 };
 
 /// True if pairs in which nothing changes may keep their contacts without being looked at.
-inline bool may_rest(const Plan& plan, const PairFilter* filter) {
+inline bool may_keep_contacts(const Plan& plan, const PairFilter* filter) {
     return !plan.sheets && filter == nullptr && plan.settings.temporal != Temporal::paper;
 }
 

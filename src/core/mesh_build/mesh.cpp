@@ -158,8 +158,8 @@ Mesh::Parts::Parts(std::string its_name, MeshData data, MeshOptions its_options,
                                     before != nullptr ? &before->first_view.edges : nullptr);
         },
         [&] {
-            std::tie(arrays.corner_offsets, arrays.corners) = corners_of(arrays.triangles,
-                                                                         arrays.positions.size());
+            std::tie(arrays.corner_offsets, arrays.corners) = corners_by_vertex(
+                arrays.triangles, arrays.positions.size());
             arrays.fans = fans_of(arrays.corner_offsets, arrays.corners);
             arrays.leaves = bvh::leaves_of(arrays.positions, arrays.triangles, sides, partner);
             arrays.neighbors = neighbors_of(arrays.triangles.size(), sides);

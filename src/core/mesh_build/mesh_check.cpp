@@ -192,7 +192,7 @@ bool leads_outside(const MeshView& mesh, std::uint32_t v, Vec3d direction) {
 
 void check_vertices(const MeshData& mesh, bool closed, Connections& connections,
                     Findings& findings) {
-    const auto [offsets, corners] = corners_of(mesh.triangles, mesh.positions.size());
+    const auto [offsets, corners] = corners_by_vertex(mesh.triangles, mesh.positions.size());
     MeshView view;
     view.positions = view_of(mesh.positions);
     view.corner_offsets = view_of(offsets);

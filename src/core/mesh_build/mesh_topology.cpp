@@ -35,7 +35,7 @@ MeshTraits traits_of(const MeshData& data, const HalfEdges& sides, Vec3d origin)
     return traits;
 }
 
-std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_by_vertex(
     std::span<const Triangle> triangles, std::size_t vertex_count) {
     std::vector<std::uint32_t> offsets(vertex_count + 1, 0);
     for (const Triangle& t : triangles)

@@ -20,7 +20,7 @@ MeshTraits traits_of(const MeshData& data, const HalfEdges& sides, Vec3d origin)
 
 /// The corners of every vertex, in triangle order, and where the corners of each vertex begin:
 /// vertex_count + 1 offsets.
-std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_of(
+std::pair<std::vector<std::uint32_t>, std::vector<Corner>> corners_by_vertex(
     std::span<const Triangle> triangles, std::size_t vertex_count);
 
 /// Per corner, the vertices around each vertex in the order in which its triangles are connected.

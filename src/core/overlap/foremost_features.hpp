@@ -19,7 +19,7 @@ struct VertexCorners {
     std::vector<Corner> corners;
 
     explicit VertexCorners(const MovingSurface& surface) {
-        std::tie(begin, corners) = corners_of(surface.triangles, surface.points.size());
+        std::tie(begin, corners) = corners_by_vertex(surface.triangles, surface.points.size());
     }
     std::span<const Corner> of(std::uint32_t vertex) const {
         return std::span(corners).subspan(begin[vertex], begin[vertex + 1] - begin[vertex]);

@@ -9,7 +9,7 @@
 namespace pierce {
 namespace {
 
-/// How far predictions look at most (stages::MeasureReach).
+/// How far predictions look at most (stages::MeasurePredictionRange).
 double longest_prediction(const BodyView& body, const Settings& settings) {
     if (settings.temporal != Temporal::paper || !settings.predict) return 0;
     return settings.prediction_distance >= 0
@@ -18,7 +18,7 @@ double longest_prediction(const BodyView& body, const Settings& settings) {
 }
 
 /// Where a body is whose place the host knows.
-PlacedBox placed_box(const BodyView& body) {
+PlacedBox place_on_host(const BodyView& body) {
     PlacedBox place;
     if (body.motion == Motion::deforming) {
         for (const Vec3f p : body.positions) place.box.extend(to_double(p));
@@ -40,7 +40,7 @@ double reach_beyond_points(const BodyView& body, const Settings& settings) {
 }
 
 Box reach_on_host(const BodyView& body, const Settings& settings) {
-    return reach_of(placed_box(body), reach_beyond_points(body, settings));
+    return reach_of(place_on_host(body), reach_beyond_points(body, settings));
 }
 
 }  // namespace pierce

@@ -223,7 +223,7 @@ void PartitionedBackend::find_contacts(const Scene& whole, StepStats& stats) {
     }
     for_each_part(true, [&](Share& part) {
         if (!hands_out) show_to(part);
-        step_part(whole, part, !hands_out && may_rest(*whole.plan, whole.pair_filter));
+        step_part(whole, part, !hands_out && may_keep_contacts(*whole.plan, whole.pair_filter));
     });
     std::vector<StepStats> of_parts;
     of_parts.reserve(parts_.size());

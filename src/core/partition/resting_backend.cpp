@@ -89,7 +89,7 @@ private:
             quiet_ = QuietBodies(scene.bodies.size, rules_.steps);
         }
         quiet_.note(scene.changed);
-        if (scene.bodies.size < rules_.bodies || !may_rest(*scene.plan, scene.pair_filter))
+        if (scene.bodies.size < rules_.bodies || !may_keep_contacts(*scene.plan, scene.pair_filter))
             return join();
         note_waste(scene.changed);
         if (waste_ < std::uint64_t{patience_} * scene.bodies.size) return;

@@ -22,6 +22,7 @@
 #include "core/step/self_overlap/self_overlap.hpp"
 #include "core/step/separation/separation.hpp"
 #include "core/step/sheets/sheets.hpp"
+#include "core/step/solids/certificate_of.hpp"
 #include "core/step/solids/classify.hpp"
 #include "core/step/solids/contacts.hpp"
 #include "core/step/solids/directed_pair.hpp"
@@ -67,7 +68,7 @@ public:
     /// Runs one step, up to its contacts. `stats` gets the stages' times here, and everything else
     /// from report() once the executor is done.
     void step(const Scene& scene, StepStats& stats) {
-        StageTimer stage(executor_, *scene.plan, stats);
+        StageTimer stage(executor_, *scene.plan, stats);  // leaves out what the plan does not need
         const Plan& plan = *scene.plan;
         recall(plan);
         forget();
@@ -86,7 +87,7 @@ public:
         stage(StageId::displacement, [&] { displacement(scene); });
         stage(StageId::vertex_cull, [&] { vertex_cull(scene); });
         stage(StageId::ray_gen, [&] { ray_gen(scene); });
-        if (plan.needs(StageId::edges)) stage(StageId::edges, [&] { edges(scene); });
+        stage(StageId::edges, [&] { edges(scene); });
         stage(StageId::walk, [&] { walk(scene); });
         stage(StageId::update, [&] { tools_.update(scene.bodies, full_rays(plan)); });
         stage(StageId::trace, [&] { trace(scene); });
@@ -157,7 +158,7 @@ private:
                                                    .seen = view_of(now_.bodies)});
         if (scene.plan->settings.temporal == Temporal::paper && scene.plan->settings.predict)
             executor_.for_each(scene.bodies.size,
-                               stages::MeasureReach{scene.bodies, scene.plan->settings});
+                               stages::MeasurePredictionRange{scene.bodies, scene.plan->settings});
     }
 
     void measure_deformation(const Scene& scene) {
@@ -348,7 +349,6 @@ private:
                                         routes_.walks);
         routes_.counts.resize(walks);
         routes_.found.resize(count_of(batch_.rays));
-        batch_.meetings.resize(count_of(batch_.rays));
         executor_.for_each(walks, stages::Walk{.bodies = scene.bodies,
                                                .directed = view_of(cull_.directed),
                                                .rays = view_of(batch_.rays),
@@ -420,7 +420,6 @@ private:
     // classify, first part: R1: which rays start inside their target.
     void test_inside(const Scene& scene) {
         const Count count = count_of(batch_.rays);
-        batch_.meetings.resize(count);
         const stages::TestInside inside{.bodies = scene.bodies,
                                         .rays = view_of(batch_.rays),
                                         .hits = view_of(batch_.hits),
@@ -749,29 +748,9 @@ public:
                             std::uint32_t vertex) const {
         const auto at = std::find(pairs_.pairs.begin(), pairs_.pairs.end(), pair);
         if (at == pairs_.pairs.end() || now_.directed.empty() || now_.blocks.empty()) return {};
-        const PairMemory&
-            memory = now_.directed[2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side];
-        const View<const std::uint32_t> order = bodies[pair.source(side)].mesh.patch_vertices;
-        if (!stages::is_asked(bodies[pair.source(side)], bodies[pair.target(side)], pair.is_self(),
-                              side))
-            return {};
-        const auto place = static_cast<std::uint32_t>(
-            std::find(order.begin(), order.end(), vertex) - order.begin());
-        if (place == order.size) return {};
-        const std::uint32_t patch = place / constants::patch_size;
-        const RecordsView records = now_.of_vertices();
-        const auto until = [&](Certificate::Kind kind, float expiry) {
-            const double left = static_cast<double>(expiry) - memory.odometer;
-            return left > 0 ? Certificate{kind, left} : Certificate{};
-        };
-        const PatchRecord* in_patch = records.patch(memory.first_block, patch);
-        if (in_patch == nullptr)
-            return until(Certificate::patch,
-                         records.blocks[memory.first_block + patch / constants::block_size]
-                             .expiry[patch % constants::block_size]);
-        const VertexRecord* record = records.vertex(in_patch, place % constants::patch_size);
-        return record == nullptr ? until(Certificate::patch_rest, in_patch->expiry)
-                                 : until(Certificate::vertex, record->expiry);
+        const auto direction = 2 * static_cast<std::size_t>(at - pairs_.pairs.begin()) + side;
+        return certificate_of(bodies, pair, side, vertex, now_.directed[direction],
+                              now_.of_vertices());
     }
 
 private:

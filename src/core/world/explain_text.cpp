@@ -55,108 +55,96 @@ std::string of_sheet(const Contact& c) {
     }
 }
 
+/// What contacts of solids say, and those of sheets.
+std::string contact_text(const Explanation& e) {
+    if (!e.contact) return "In contact: the vertex is inside and " + number(e.t) + " deep.";
+    const Contact& c = *e.contact;
+    if (c.of_sheet) return of_sheet(c);
+    std::string s = c.distance > 0 ? "In contact: the vertex is outside, and " +
+                                         number(c.distance) + " away, closer than the margin,"
+                                   : "In contact: the vertex is inside and " +
+                                         number(c.penetration_depth()) + " deep";
+    s += " at triangle " + std::to_string(c.triangle) + how_found(c.found);
+    if (c.reprojected && c.distance <= 0) s += ", then moved to the closest point";
+    return s + ".";
+}
+
+std::string reason_text(const Explanation& e) {
+    switch (e.reason) {
+        case Reason::contact:
+            return contact_text(e);
+        case Reason::excluded:
+            return "No contact: one of the bodies was left out of the step: it is not finite, or "
+                   "its world is not active.";
+        case Reason::filtered:
+            return "No contact: the two bodies do not meet, by their filters, by the pair filter "
+                   "or because the pair is excluded.";
+        case Reason::both_fixed:
+            return "No contact: two fixed bodies are no pair.";
+        case Reason::boxes_apart:
+            return e.distance > 0
+                       ? "No contact: the bodies' boxes are " + number(e.distance) + " apart."
+                       : "No contact: the bodies' boxes, each in its body's own directions, "
+                         "do not overlap.";
+        case Reason::open_target:
+            return "No contact: the other body's mesh is open and has no inside.";
+        case Reason::outside_box:
+            return "No contact: the vertex is " + number(e.distance) +
+                   " outside of the other body's box.";
+        case Reason::outside_solid:
+            return "No contact: the vertex is at least " + number(e.distance) +
+                   " outside of the other body, by its clearance grid.";
+        case Reason::no_direction:
+            return "No contact: the triangles around the vertex cancel, so it has no inward "
+                   "direction and no ray.";
+        case Reason::entry_first:
+            return "No contact: its ray first enters the other body, at " + number(e.t) +
+                   " through triangle " + std::to_string(e.triangle) +
+                   ", so the vertex is outside.";
+        case Reason::nothing_ahead:
+            return "No contact: its ray meets the other body nowhere, so the vertex is outside.";
+        case Reason::not_inside_own:
+            return "No contact by rule R2: the vertex is inside the other body, but its ray does "
+                   "not start inside its own.";
+        case Reason::own_exit_first:
+            return "No contact by rule R3: the vertex is inside the other body, but its ray leaves "
+                   "its own body at " +
+                   number(e.own_exit) + ", before the other one at " + number(e.t) + ".";
+        case Reason::beyond_range:
+            return "No contact: the vertex is inside the other body, whose surface is " +
+                   number(e.t) + " ahead, but an open body's rays end at " + number(e.own_exit) +
+                   ".";
+        case Reason::not_looked_for:
+            return "No contact: the sheet is not looked for in itself by continuous tests.";
+        case Reason::apart:
+            return "No contact: the two have not met in this step, and the other surface is " +
+                   number(e.distance) + " away, at triangle " + std::to_string(e.triangle) +
+                   ", no less than the thickness.";
+        case Reason::close_at_rest:
+            return "No contact: the sheet's own surface is " + number(e.distance) +
+                   " away, at triangle " + std::to_string(e.triangle) +
+                   ", but no less than half of what it is at rest.";
+        case Reason::beside:
+            return "No contact: the other surface is " + number(e.distance) +
+                   " away, at triangle " + std::to_string(e.triangle) +
+                   ", but the vertex is over none of its triangles: an edge or a corner is close.";
+        case Reason::no_triangle_names_it:
+            return "No contact: the vertex is a corner of no triangle, so it is no part of its "
+                   "body.";
+        case Reason::not_looked_at:
+            return "No contact in this step: the vertex is inside, but is not looked at before the "
+                   "pair's next full pass.";
+        case Reason::unexplained:
+            return "No contact in this step, although the vertex is inside: the two disagree, "
+                   "which is a defect of Pierce. Please report it with a saved world.";
+    }
+    return "";
+}
+
 }  // namespace
 
 std::string Explanation::text() const {
-    std::string s;
-    switch (reason) {
-        case Reason::contact:
-            if (contact && contact->of_sheet) return of_sheet(*contact);
-            if (contact && contact->distance > 0)
-                s = "In contact: the vertex is outside, and " + number(contact->distance) +
-                    " away, closer than the margin,";
-            else
-                s = "In contact: the vertex is inside and " +
-                    number(contact ? contact->penetration_depth() : t) + " deep";
-            if (contact) {
-                s += " at triangle " + std::to_string(contact->triangle);
-                s += how_found(contact->found);
-                if (contact->reprojected && contact->distance <= 0)
-                    s += ", then moved to the closest point";
-            }
-            s += ".";
-            break;
-        case Reason::excluded:
-            s = "No contact: one of the bodies was left out of the step: it is not finite, or its "
-                "world is not active.";
-            break;
-        case Reason::filtered:
-            s = "No contact: the two bodies do not meet, by their filters, by the pair filter or "
-                "because the pair is excluded.";
-            break;
-        case Reason::both_fixed:
-            s = "No contact: two fixed bodies are no pair.";
-            break;
-        case Reason::boxes_apart:
-            s = distance > 0 ? "No contact: the bodies' boxes are " + number(distance) + " apart."
-                             : "No contact: the bodies' boxes, each in its body's own directions, "
-                               "do not overlap.";
-            break;
-        case Reason::open_target:
-            s = "No contact: the other body's mesh is open and has no inside.";
-            break;
-        case Reason::outside_box:
-            s = "No contact: the vertex is " + number(distance) +
-                " outside of the other body's box.";
-            break;
-        case Reason::outside_solid:
-            s = "No contact: the vertex is at least " + number(distance) +
-                " outside of the other body, by its clearance grid.";
-            break;
-        case Reason::no_direction:
-            s = "No contact: the triangles around the vertex cancel, so it has no inward direction "
-                "and no ray.";
-            break;
-        case Reason::entry_first:
-            s = "No contact: its ray first enters the other body, at " + number(t) +
-                " through triangle " + std::to_string(triangle) + ", so the vertex is outside.";
-            break;
-        case Reason::nothing_ahead:
-            s = "No contact: its ray meets the other body nowhere, so the vertex is outside.";
-            break;
-        case Reason::not_inside_own:
-            s = "No contact by rule R2: the vertex is inside the other body, but its ray does not "
-                "start inside its own.";
-            break;
-        case Reason::own_exit_first:
-            s = "No contact by rule R3: the vertex is inside the other body, but its ray leaves "
-                "its own body at " +
-                number(own_exit) + ", before the other one at " + number(t) + ".";
-            break;
-        case Reason::beyond_range:
-            s = "No contact: the vertex is inside the other body, whose surface is " + number(t) +
-                " ahead, but an open body's rays end at " + number(own_exit) + ".";
-            break;
-        case Reason::not_looked_for:
-            s = "No contact: the sheet is not looked for in itself by continuous tests.";
-            break;
-        case Reason::apart:
-            s = "No contact: the two have not met in this step, and the other surface is " +
-                number(distance) + " away, at triangle " + std::to_string(triangle) +
-                ", no less than the thickness.";
-            break;
-        case Reason::close_at_rest:
-            s = "No contact: the sheet's own surface is " + number(distance) +
-                " away, at triangle " + std::to_string(triangle) +
-                ", but no less than half of what it is at rest.";
-            break;
-        case Reason::beside:
-            s = "No contact: the other surface is " + number(distance) + " away, at triangle " +
-                std::to_string(triangle) +
-                ", but the vertex is over none of its triangles: an edge or a corner is close.";
-            break;
-        case Reason::no_triangle_names_it:
-            s = "No contact: the vertex is a corner of no triangle, so it is no part of its body.";
-            break;
-        case Reason::not_looked_at:
-            s = "No contact in this step: the vertex is inside, but is not looked at before the "
-                "pair's next full pass.";
-            break;
-        case Reason::unexplained:
-            s = "No contact in this step, although the vertex is inside: the two disagree, which "
-                "is a defect of Pierce. Please report it with a saved world.";
-            break;
-    }
+    std::string s = reason_text(*this);
     if (certificate.kind != Certificate::none) {
         constexpr const char* who[] = {
             "", "the vertices of its patch are proved to stay outside",

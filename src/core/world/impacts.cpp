@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/body/reach.hpp"
 #include "core/mesh/used_vertices.hpp"
 #include "core/mesh_build/box_tree.hpp"
 #include "core/overlap/face_parts.hpp"
@@ -135,11 +136,7 @@ private:
         }
         const Box rest = state_.mesh_of(body).view({}).box;
         const Way way = way_of(slot);
-        for (const Frame& frame : {way.start, way.end})
-            for (std::uint32_t corner = 0; corner < 8; ++corner)
-                box.extend(frame.to_parent({corner & 1 ? rest.upper.x : rest.lower.x,
-                                            corner & 2 ? rest.upper.y : rest.lower.y,
-                                            corner & 4 ? rest.upper.z : rest.lower.z}));
+        for (const Frame& frame : {way.start, way.end}) box.extend(placed_box(rest, frame).box);
         // Corners are rounded, as vertices are.
         return box.inflated(constants::touch_tolerance * box.extent());
     }

@@ -173,7 +173,7 @@ struct World::State {
     /// True if a step would find the contacts of the last one.
     bool is_at_rest() const {
         return planned && still && changed.empty() && !forgets_sides &&
-               may_rest(plan, asked_filter());
+               may_keep_contacts(plan, asked_filter());
     }
     /// Throws InputError while a plan is made, which reads bodies.
     void check_not_planning() const;

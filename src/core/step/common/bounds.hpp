@@ -239,8 +239,8 @@ struct CompareWithLast {
 /// Per body: how far predictions look, of its vertices and of what enters it: as far as the body
 /// moves until the next full pass. The motion of a body that is seen for the first time is unknown,
 /// so that nothing is predicted of it; the next step is a full pass. Reads bodies, their last fits
-/// and settings; writes reach.
-struct MeasureReach {
+/// and settings; writes prediction_range.
+struct MeasurePredictionRange {
     View<BodyView> bodies;
     Settings settings;
 
@@ -248,14 +248,14 @@ struct MeasureReach {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         BodyView& body = bodies[i];
-        body.reach = 0;
+        body.prediction_range = 0;
         if (!body.active) return;
         if (settings.prediction_distance >= 0) {
-            body.reach = 0.5 * settings.prediction_distance;
+            body.prediction_range = 0.5 * settings.prediction_distance;
             return;
         }
         if (!body.seen) return;
-        body.reach = min_of(
+        body.prediction_range = min_of(
             settings.full_every *
                 (largest_motion(body.last_fit, body.fit, body.fit_box) + body.shape_motion),
             0.5 * constants::prediction_limit * body.mesh.mean_edge_length);

@@ -27,8 +27,8 @@ struct MayCross {
         const DirectedPair& d = directed[edge.directed];
         if (d.still || !asked(edge.directed / 2)) return false;
         if (!(edge.expiry > d.odometer)) {
-            if (!(edge.room > 0) || of_pairs.size == 0) return true;
-            const double left = static_cast<double>(edge.room) -
+            if (!(edge.way_left > 0) || of_pairs.size == 0) return true;
+            const double left = static_cast<double>(edge.way_left) -
                                 way_from(of_pairs[edge.directed].anchor, bodies, d, edge.edge);
             if (!(left > 0)) return true;
             edge.expiry = d.odometer + static_cast<float>(left);

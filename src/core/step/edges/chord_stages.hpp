@@ -102,24 +102,24 @@ private:
         }
         if (is_known && is_in_front(target, item.crosses, placed)) return;
         const double tolerance = constants::edge_tolerance * d.touch,
-                     margin = edge_margin(directed, item.directed);
+                     slack = edge_slack(directed, item.directed);
         const double ahead = of_pairs.size > 0 && !is_known ? look_ahead(item.directed) : 0.0;
         const double way = ahead > 0
                                ? way_from(of_pairs[item.directed].anchor, bodies, d, item.edge)
                                : 0.0;
         const auto proved = [&](double gap) {
-            near[i].expiry = d.odometer + static_cast<float>(gap - margin);
-            near[i].room = static_cast<float>(gap - margin - way);
+            near[i].expiry = d.odometer + static_cast<float>(gap - slack);
+            near[i].way_left = static_cast<float>(gap - slack - way);
         };
         const double known = ahead > 0
                                  ? max_of(static_cast<double>(item.triangles.until - d.odometer),
-                                          static_cast<double>(item.triangles.room) - way)
+                                          static_cast<double>(item.triangles.way_left) - way)
                                  : 0.0;
-        const bool are_known = known > margin + constants::edge_look_again * ahead;
+        const bool are_known = known > slack + constants::edge_look_again * ahead;
         if (!is_known && !are_known) {
             const SegmentProof proof = proof_of(source, target, placed);
             const bool once = wanted == Chords::within && proof.prefers_once();
-            if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? margin : 0.0)) {
+            if ((once ? proof.once : proof.gap) > max_of(tolerance, ahead > 0 ? slack : 0.0)) {
                 if (wanted == Chords::within) near[i].crosses = once ? some_triangle : no_triangle;
                 if (once) marks.set(item.directed / 2, PairMarks::edge_crosses);
                 if (ahead > 0) proved(once ? proof.once : proof.gap);
@@ -131,12 +131,12 @@ private:
                                             ? EdgeTriangles(target, placed, tolerance, known,
                                                             item.triangles)
                                             : EdgeTriangles(target, placed, tolerance,
-                                                            ahead > 0 ? ahead + margin : tolerance);
+                                                            ahead > 0 ? ahead + slack : tolerance);
         if (ahead > 0 && !is_known && !are_known) {
             near[i].triangles = triangles.are_few() ? triangles.near() : NearTriangles{};
             if (triangles.are_few()) {
-                near[i].triangles.until = d.odometer + static_cast<float>(ahead + margin);
-                near[i].triangles.room = static_cast<float>(ahead + margin - way);
+                near[i].triangles.until = d.odometer + static_cast<float>(ahead + slack);
+                near[i].triangles.way_left = static_cast<float>(ahead + slack - way);
             }
         }
         // What is proved of an edge is proved of what it crosses: the two change together. Where
@@ -147,7 +147,7 @@ private:
                               : triangles.count() > 1 ? some_triangle
                                                       : no_triangle;
             near[i].expiry = d.odometer;
-            near[i].room = 0;
+            near[i].way_left = 0;
             if (is_proved) proved(triangles.count() > 0 ? triangles.second_gap() : triangles.gap());
         }
         if (wanted == Chords::within) {

@@ -21,7 +21,7 @@ namespace pierce::stages {
 
 /// [length] How far from a target's surface edges matter: where they are moved against each other,
 /// crossings may be that far away, and a few touch tolerances are for rounding.
-PIERCE_HD inline double edge_margin(View<const DirectedPair> directed, std::uint32_t direction) {
+PIERCE_HD inline double edge_slack(View<const DirectedPair> directed, std::uint32_t direction) {
     return (constants::nudge + constants::edge_tolerance) * touch_of_pair(directed, direction);
 }
 
@@ -121,7 +121,7 @@ struct ListEdgeBlocks {
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
                          CullItem* blocks) const {
-        for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
+        write_blocks(i, found, place, blocks);
     }
 };
 
@@ -129,7 +129,7 @@ struct ListEdgeBlocks {
 /// frame, and how much further away from the target they count.
 struct EdgePlace {
     Frame to_fit;
-    double margin = 0;
+    double slack = 0;
 
     PIERCE_HD EdgePlace(View<const BodyView> bodies, View<const DirectedPair> directed,
                         std::uint32_t direction, bool remembers) {
@@ -138,8 +138,8 @@ struct EdgePlace {
         to_fit = source.motion == Motion::deforming
                      ? relative_frame(source.fit, bodies[d.target].fit)
                      : d.to_fit;
-        margin = edge_margin(directed, direction) + source.deviation +
-                 (remembers ? edge_skin(bodies, d) : 0.0);
+        slack = edge_slack(directed, direction) + source.deviation +
+                (remembers ? edge_skin(bodies, d) : 0.0);
     }
 };
 
@@ -161,7 +161,7 @@ struct CullEdgeBlock {
         const PatchBlock& block = mesh.edge_blocks[item.index];
         const EdgePlace place(bodies, directed, item.directed, gaps.size > 0);
         const BallsNearby<> balls(bodies[d.target], place.to_fit, block.center, block.offsets,
-                                  block.radius, static_cast<double>(block.reach), place.margin);
+                                  block.radius, static_cast<double>(block.reach), place.slack);
         const std::uint32_t all = first_bits(edge_block_length(mesh, item.index));
         if (gaps.size > 0) note_gap(gaps[item.directed], balls.least_gap(all & ~balls.near));
         return balls.near & all;

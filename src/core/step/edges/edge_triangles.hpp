@@ -19,20 +19,20 @@ namespace pierce::stages {
 /// The triangles that an edge may cross.
 class EdgeTriangles {
 public:
-    /// Of the target's triangles, those that may be closer to the edge than `margin` [length].
-    /// Looks as far as `limit` [length], which is not less than the margin.
-    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double margin,
+    /// Of the target's triangles, those that may be closer to the edge than `slack` [length].
+    /// Looks as far as `limit` [length], which is not less than the slack.
+    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double slack,
                             double limit)
         : target_(target), gap_(limit), second_gap_(limit) {
         boxes_ = boxes_along(edge, target, limit);
-        look(edge, margin, limit, [&](const auto& see) { for_each(see); });
+        look(edge, slack, limit, [&](const auto& see) { for_each(see); });
     }
 
     /// The same of a few triangles; no others are closer than `limit`.
-    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double margin,
+    PIERCE_HD EdgeTriangles(const BodyView& target, const PlacedEdge& edge, double slack,
                             double limit, const NearTriangles& few)
         : target_(target), gap_(limit), second_gap_(limit) {
-        look(edge, margin, limit, [&](const auto& see) {
+        look(edge, slack, limit, [&](const auto& see) {
             for (std::uint32_t k = 0; k < few.count; ++k) see(few.triangle[k]);
         });
     }
@@ -75,12 +75,12 @@ private:
     static constexpr std::uint32_t most = 16;
 
     template <class List>
-    PIERCE_HD void look(const PlacedEdge& edge, double margin, double limit, const List& list) {
+    PIERCE_HD void look(const PlacedEdge& edge, double slack, double limit, const List& list) {
         std::uint32_t asked[SegmentGaps::count], size = 0;
         const auto measure = [&] {
             for (std::uint32_t k = size; k < SegmentGaps::count; ++k) asked[k] = asked[0];
             const SegmentGaps gaps(edge.a, edge.b, target_.surface(), asked);
-            for (std::uint32_t k = 0; k < size; ++k) add(asked[k], gaps[k], margin, limit);
+            for (std::uint32_t k = 0; k < size; ++k) add(asked[k], gaps[k], slack, limit);
             size = 0;
         };
         list([&](std::uint32_t triangle) {
@@ -90,7 +90,7 @@ private:
         if (size > 0) measure();
     }
 
-    PIERCE_HD void add(std::uint32_t triangle, double gap, double margin, double limit) {
+    PIERCE_HD void add(std::uint32_t triangle, double gap, double slack, double limit) {
         if (!(gap < limit)) return;
         if (are_few()) {
             if (near_.count < NearTriangles::most) near_.triangle[near_.count] = triangle;
@@ -98,7 +98,7 @@ private:
         }
         second_gap_ = min_of(max_of(gap, gap_), second_gap_);
         gap_ = min_of(gap, gap_);
-        if (gap > margin) return;
+        if (gap > slack) return;
         if (count_ < most) triangles_[count_] = triangle;
         ++count_;
     }

@@ -12,12 +12,12 @@ namespace pierce {
 inline constexpr std::uint32_t some_triangle = no_triangle - 1;
 
 /// The triangles near an edge: 44 bytes. All others are so far away that they stay away until the
-/// odometer reaches `until`, and as long as both ends of the edge are closer than `room` [length]
-/// to where the pair's anchor has them.
+/// odometer reaches `until`, and as long as both ends of the edge are closer than `way_left`
+/// [length] to where the pair's anchor has them.
 struct NearTriangles {
     static constexpr std::uint32_t most = 8;
 
-    float until = -1, room = -1;  ///< negative: they are not known
+    float until = -1, way_left = -1;  ///< negative: they are not known
     std::uint32_t count = 0;
     std::uint32_t triangle[most] = {};
 };
@@ -26,9 +26,9 @@ struct NearTriangles {
 struct alignas(16) NearEdge {
     std::uint32_t directed = 0;
     std::uint32_t edge = 0;
-    float expiry = 0;  ///< the edge crosses one triangle at most until the odometer reaches this
-    float room = 0;    ///< [length] and as long as both its ends are closer than this to where the
-                       ///< pair's anchor has them
+    float expiry = 0;    ///< the edge crosses one triangle at most until the odometer reaches this
+    float way_left = 0;  ///< [length] and as long as both its ends are closer than this to where
+                         ///< the pair's anchor has them
     std::uint32_t crosses = some_triangle;  ///< the triangle that it may cross until then; or
                                             ///< some_triangle, if it is not known which
     NearTriangles triangles;

@@ -64,11 +64,12 @@ private:
         const DirectedPair& d = directed[edge.directed];
         const auto way = static_cast<float>(way_from(anchor, bodies, d, edge.edge));
         edge.triangles = old.triangles;
-        edge.triangles.room -= way;
-        const float room = old.room - way, expiry = max_of(old.expiry, d.odometer + room);
+        edge.triangles.way_left -= way;
+        const float way_left = old.way_left - way,
+                    expiry = max_of(old.expiry, d.odometer + way_left);
         if (!(expiry > max_of(edge.expiry, d.odometer))) return;
         edge.expiry = expiry;
-        edge.room = room;
+        edge.way_left = way_left;
         edge.crosses = old.crosses;
     }
 };

@@ -17,12 +17,12 @@
 /// of boxes. No edge that crosses the surface is left out.
 namespace pierce::stages {
 
-/// The box around a segment, larger by `margin`.
-PIERCE_HD inline QuickBox box_around(Vec3d from, Vec3d to, double margin) {
+/// The box around a segment, larger by `slack`.
+PIERCE_HD inline QuickBox box_around(Vec3d from, Vec3d to, double slack) {
     QuickBox box;
     for (int r = 0; r < 3; ++r) {
-        box.lower[r] = not_above(static_cast<float>(min_of(from[r], to[r]) - margin));
-        box.upper[r] = not_below(static_cast<float>(max_of(from[r], to[r]) + margin));
+        box.lower[r] = not_above(static_cast<float>(min_of(from[r], to[r]) - slack));
+        box.upper[r] = not_below(static_cast<float>(max_of(from[r], to[r]) + slack));
     }
     return box;
 }
@@ -37,18 +37,18 @@ struct PlacedEdge {
 };
 
 /// Boxes along the part of an edge that is near the box around its target, each with what is
-/// `reach` away from its part of the edge, by `margin` at most: two, or more if that part is much
+/// `reach` away from its part of the edge, by `slack` at most: two, or more if that part is much
 /// longer than the target's edges.
-PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target, double margin,
+PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target, double slack,
                                       const Box& reach) {
     const BoxLevels levels(target.mesh.triangles.size);
     const QuickBox& around = target.box_nodes[levels.begin[levels.count - 1]].around;
     const Vec3d way = edge.b - edge.a;
     double begin = 0, end = 1;
     for (int r = 0; r < 3; ++r) {
-        if (!(std::fabs(way[r]) > margin)) continue;
-        const double low = (static_cast<double>(around.lower[r]) - margin - edge.a[r]) / way[r],
-                     high = (static_cast<double>(around.upper[r]) + margin - edge.a[r]) / way[r];
+        if (!(std::fabs(way[r]) > slack)) continue;
+        const double low = (static_cast<double>(around.lower[r]) - slack - edge.a[r]) / way[r],
+                     high = (static_cast<double>(around.upper[r]) + slack - edge.a[r]) / way[r];
         begin = max_of(min_of(low, high), begin);
         end = min_of(max_of(low, high), end);
     }
@@ -68,11 +68,11 @@ PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& ta
     return boxes;
 }
 
-/// The same with all that is not further away than `margin`.
+/// The same with all that is not further away than `slack`.
 PIERCE_HD inline FewBoxes boxes_along(const PlacedEdge& edge, const BodyView& target,
-                                      double margin) {
-    const Vec3d all{margin, margin, margin};
-    return boxes_along(edge, target, margin, {-all, all});
+                                      double slack) {
+    const Vec3d all{slack, slack, slack};
+    return boxes_along(edge, target, slack, {-all, all});
 }
 
 /// [length] How far an edge's ends are from where an earlier frame of the pair has them, in the
@@ -132,7 +132,7 @@ struct FindNearEdges {
     struct Found {
         std::uint32_t mask = 0;
         std::uint32_t may_cross = 0;  ///< a bit for each that may cross until then
-        float room[Share::count];
+        float way_left[Share::count];
     };
 
     PIERCE_HD Found find(std::uint32_t i) const {
@@ -146,8 +146,8 @@ struct FindNearEdges {
         const BallsNearby<Share> balls(
             target, place.to_fit, patch_center(source.mesh.edge_blocks, item.index), group.middles,
             group.half, static_cast<double>(block.radius[item.index % constants::block_size]),
-            place.margin);
-        const double margin = edge_margin(directed, item.directed),
+            place.slack);
+        const double slack = edge_slack(directed, item.directed),
                      more = gaps.size > 0 ? edge_skin(bodies, d) : 0.0;
         Found found;
         const std::uint32_t all = first_bits(edge_group_length(source.mesh, item.index));
@@ -156,19 +156,19 @@ struct FindNearEdges {
         for (std::uint32_t left = found.mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
             const SegmentProof proof = proof_of(source, target, placed(item, k));
-            const auto gap = static_cast<float>(proof.gap - margin - more);
+            const auto gap = static_cast<float>(proof.gap - slack - more);
             if (gap > 0) {
                 found.mask ^= 1u << k;
                 least = min_of(gap, least);
             }
             const bool may_cross = proof.prefers_once();
             found.may_cross |= static_cast<std::uint32_t>(may_cross) << k;
-            found.room[k - Share::first()] = static_cast<float>(
-                (may_cross ? proof.once : proof.gap) - margin);
+            found.way_left[k - Share::first()] = static_cast<float>(
+                (may_cross ? proof.once : proof.gap) - slack);
         }
         if (asks_boxes && found.mask != 0 && !clearance_tells(source, target)) {
             const std::uint32_t before = found.mask;
-            found.mask = by_boxes(i, found.mask, margin + more);
+            found.mask = by_boxes(i, found.mask, slack + more);
             if (found.mask != before) least = 0;
         }
         if (gaps.size > 0) note_gap(gaps[item.directed], least);
@@ -183,8 +183,8 @@ struct FindNearEdges {
             const std::uint32_t k = lowest_bit(left);
             near[place++] = {.directed = item.directed,
                              .edge = item.index * constants::group_size + k,
-                             .expiry = odometer + found.room[k - Share::first()],
-                             .room = found.room[k - Share::first()],
+                             .expiry = odometer + found.way_left[k - Share::first()],
+                             .way_left = found.way_left[k - Share::first()],
                              .crosses = found.may_cross >> k & 1u ? some_triangle : no_triangle,
                              .triangles = {}};
         }
@@ -199,16 +199,16 @@ private:
         return {source, d, source.mesh.edges[item.index * constants::group_size + k]};
     }
 
-    /// Of some edges of a group, those whose box, larger by `margin`, meets a box around sixteen
+    /// Of some edges of a group, those whose box, larger by `slack`, meets a box around sixteen
     /// triangles of the target.
-    PIERCE_HD std::uint32_t by_boxes(std::uint32_t i, std::uint32_t mask, double margin) const {
+    PIERCE_HD std::uint32_t by_boxes(std::uint32_t i, std::uint32_t mask, double slack) const {
         const CullItem item = group_of(i);
         const BodyView& target = bodies[directed[item.directed].target];
         QuickBox box[Offsets::count], around;
         for (std::uint32_t left = mask; left != 0; left &= left - 1) {
             const std::uint32_t k = lowest_bit(left);
             const PlacedEdge edge = placed(item, k);
-            box[k] = box_around(edge.a, edge.b, margin);
+            box[k] = box_around(edge.a, edge.b, slack);
             around.extend(box[k]);
         }
         std::uint32_t near = 0;
@@ -240,11 +240,11 @@ struct KeepNearBoxes {
         const BodyView& source = bodies[d.source];
         const BodyView& target = bodies[d.target];
         if (clearance_tells(source, target)) return true;
-        const double margin = edge_margin(directed, edge.directed) +
-                              (gaps.size > 0 ? edge_skin(bodies, d) : 0.0);
+        const double slack = edge_slack(directed, edge.directed) +
+                             (gaps.size > 0 ? edge_skin(bodies, d) : 0.0);
         const PlacedEdge placed(source, d, source.mesh.edges[edge.edge]);
         const bool near = for_each_group(target.box_nodes, BoxLevels(target.mesh.triangles.size),
-                                         box_around(placed.a, placed.b, margin),
+                                         box_around(placed.a, placed.b, slack),
                                          [](std::uint32_t, std::uint32_t) { return true; });
         if (!near && gaps.size > 0) note_gap(gaps[edge.directed], 0);
         return near;

@@ -43,7 +43,7 @@ struct ListMarginBlocks {
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
                          CullItem* blocks) const {
-        for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
+        write_blocks(i, found, place, blocks);
     }
 };
 

@@ -55,7 +55,7 @@ struct ListMarginEdgeBlocks {
     PIERCE_HD static std::uint32_t count(std::uint32_t found) { return found; }
     PIERCE_HD void write(std::uint32_t i, std::uint32_t found, std::uint32_t place,
                          CullItem* blocks) const {
-        for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
+        write_blocks(i, found, place, blocks);
     }
 };
 
@@ -64,7 +64,7 @@ PIERCE_HD inline EdgePlace margin_place(View<const BodyView> bodies,
                                         View<const DirectedPair> directed,
                                         std::uint32_t direction) {
     EdgePlace place(bodies, directed, direction, false);
-    place.margin += edge_margin_of(bodies, directed, direction);
+    place.slack += edge_margin_of(bodies, directed, direction);
     return place;
 }
 
@@ -82,7 +82,7 @@ struct CullMarginEdgeBlock {
         const PatchBlock& block = mesh.edge_blocks[item.index];
         const EdgePlace place = margin_place(bodies, directed, item.directed);
         const BallsNearby<> balls(bodies[d.target], place.to_fit, block.center, block.offsets,
-                                  block.radius, static_cast<double>(block.reach), place.margin);
+                                  block.radius, static_cast<double>(block.reach), place.slack);
         return balls.near & first_bits(edge_block_length(mesh, item.index));
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
@@ -109,7 +109,7 @@ struct CullMarginEdges {
         const BallsNearby<> balls(
             bodies[d.target], place.to_fit, patch_center(mesh.edge_blocks, item.index),
             group.middles, group.half,
-            static_cast<double>(block.radius[item.index % constants::block_size]), place.margin);
+            static_cast<double>(block.radius[item.index % constants::block_size]), place.slack);
         return balls.near & first_bits(edge_group_length(mesh, item.index));
     }
     PIERCE_HD static std::uint32_t count(std::uint32_t mask) { return bit_count(mask); }
@@ -259,14 +259,14 @@ struct FindEdgePairs {
         if (found.count == 0) return;
         const auto put = [&](const NearEdgePair& pair) { pairs[place++] = pair; };
         if (found.count > Found::most) return each(near[i], put);
-        const Look look = look_of(near[i]);
+        const RidgeQuery query = query_of(near[i]);
         for (std::uint32_t k = 0; k < found.count; ++k)
-            look.at_side(found.side[k].triangle, found.side[k].corner, put);
+            query.at_side(found.side[k].triangle, found.side[k].corner, put);
     }
 
 private:
     /// A ridge that looks at edges of the target.
-    struct Look {
+    struct RidgeQuery {
         const BodyView& target;
         std::uint32_t directed = 0, edge = 0;
         double margin = 0, passed = 0, touch = 0;  ///< [length]; `passed`: as passed_margin_of()
@@ -331,7 +331,7 @@ private:
         }
     };
 
-    PIERCE_HD Look look_of(const RidgeNearGroup& item) const {
+    PIERCE_HD RidgeQuery query_of(const RidgeNearGroup& item) const {
         const NearRidge& ridge = ridges[item.ridge];
         const DirectedPair& d = directed[ridge.directed];
         const BodyView& source = bodies[d.source];
@@ -354,12 +354,12 @@ private:
 
     template <class See>
     PIERCE_HD void each(const RidgeNearGroup& item, const See& see) const {
-        const Look look = look_of(item);
+        const RidgeQuery query = query_of(item);
         for (std::uint32_t mask = item.mask; mask != 0; mask &= mask - 1) {
             const std::uint32_t
-                t = look.target.mesh
+                t = query.target.mesh
                         .group_triangles[item.group * constants::group_size + lowest_bit(mask)];
-            for (std::uint32_t corner = 0; corner < 3; ++corner) look.at_side(t, corner, see);
+            for (std::uint32_t corner = 0; corner < 3; ++corner) query.at_side(t, corner, see);
         }
     }
 

@@ -45,7 +45,7 @@ PIERCE_HD inline Approach approach_of(const BodyView& source, const BodyView& ta
     }
     a.shift = steps * (now.origin - before.origin);
     a.spin = std::sqrt(0.5 * squared);
-    a.most = source.reach + target.reach;
+    a.most = source.prediction_range + target.prediction_range;
     a.known = true;
     if (source.motion == Motion::deforming) {  // its space is the world
         a.steps = static_cast<float>(steps);

@@ -44,8 +44,8 @@ struct GrowOlder {
     PIERCE_HD void operator()(std::uint32_t i) const { ages[i] = contacts[i].age += steps; }
 };
 
-/// Per candidate: if it is kept, its key and its index. Then per pair, if pairs are given: if
-/// nothing in it has moved, its contacts of the last step.
+/// Per candidate: if it is kept, its key and its index. Items after the candidates are pairs: one
+/// in which nothing has moved lists its contacts of the last step.
 struct KeyContacts {
     View<const Chord> chords;
     View<const RaySource> sources;
@@ -110,9 +110,9 @@ private:
     }
 };
 
-/// Per contact in the order of their keys: lists all but vertices that are near, if the same vertex
-/// is in contact by a ray, too, and ridges that have passed each other, if a chord of one of them
-/// over the other is in contact. Rounding may see a vertex on both sides of a surface that it
+/// Per contact in the order of their keys: lists it, but for two kinds: a near vertex that is also
+/// in contact by a ray, and ridges that have passed each other if a chord of one of them over the
+/// other is in contact. Rounding may see a vertex on both sides of a surface that it
 /// touches.
 struct DropDuplicates {
     View<const RaySource> sources;

@@ -11,6 +11,7 @@
 #include "core/mesh/patch.hpp"
 #include "core/step/common/pair_marks.hpp"
 #include "core/step/common/records.hpp"
+#include "core/step/solids/cull_item.hpp"
 #include "core/step/solids/directed_pair.hpp"
 #include "core/step/solids/displacement.hpp"
 #include "core/trace/ray.hpp"
@@ -26,19 +27,6 @@ namespace pierce::stages {
 PIERCE_HD inline bool proofs_pay(const DirectedPair& d, const BodyView& target) {
     return target.is_simple() && constants::certificate_limit * target.mesh.mean_edge_length >
                                      constants::certificate_steps * static_cast<double>(d.step);
-}
-
-/// A block of patches, or a patch, of a directed pair's source.
-struct CullItem {
-    std::uint32_t directed = 0;
-    std::uint32_t index = 0;
-};
-
-/// Writes those of an item's `size` parts that have a bit in the mask, from a place on.
-PIERCE_HD inline void write_parts(const CullItem& item, std::uint32_t size, std::uint32_t mask,
-                                  std::uint32_t place, CullItem* parts) {
-    for (; mask != 0; mask &= mask - 1)
-        parts[place++] = {item.directed, item.index * size + lowest_bit(mask)};
 }
 
 /// True if vertices of a directed pair's source are looked at: its target has an inside, or they
@@ -77,7 +65,8 @@ struct DirectPair {
                                                         : d.to_fit;
         d.touch = touch_between(source, target, d.to_space);
         const bool knows = settings.prediction_distance >= 0 || (source.seen && target.seen);
-        if (!d.is_self() && knows) d.approach.most = source.reach + target.reach;
+        if (!d.is_self() && knows)
+            d.approach.most = source.prediction_range + target.prediction_range;
         if (memory.size > 0) {
             const PairMemory& m = memory[i];
             d.odometer = static_cast<float>(m.odometer);
@@ -106,7 +95,7 @@ struct DirectPair {
                          CullItem* blocks) const {
         begins[i] = place;
         if (memory.size > 0) memory[i].first_block = place;
-        for (std::uint32_t b = 0; b < found; ++b) blocks[place + b] = {i, b};
+        write_blocks(i, found, place, blocks);
     }
 };
 

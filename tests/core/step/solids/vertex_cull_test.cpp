@@ -103,7 +103,7 @@ TEST(ApproachTest, ReachesAsFarAsPointsGo) {
             body.last_fit = random_frame(random);
             body.fit = moved(random, body.last_fit, 0.01);
             body.space = body.motion == Motion::rigid ? body.fit : Frame{};
-            body.reach = 10;
+            body.prediction_range = 10;
         }
         const BodyView &source = bodies[0], &target = bodies[1];
         const stages::Approach approach = stages::approach_of(
