@@ -8,6 +8,7 @@
 #include "handles.hpp"
 #include "mesh.hpp"
 #include "pages.hpp"
+#include "pierce/contact_reduction.hpp"
 #include "pierce/error.hpp"
 #include "pierce/filter.hpp"
 #include "pierce/ids.hpp"

@@ -9,6 +9,7 @@
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
+#include "support/prism.hpp"
 #include "support/random.hpp"
 
 namespace pierce {
@@ -19,15 +20,20 @@ protected:
     /// The depth of the deepest contact of two bodies, and their parting.
     struct Depths {
         double contact = 0, parting = 0;
+        bool is_in_contact = false;
     };
-    Depths depths(const MeshData& fixed, const MeshData& other, const Pose& pose) const {
-        World world(GetParam().make());
+    Depths depths(const MeshData& fixed, const MeshData& other, const Pose& pose,
+                  double margin = 0) const {
+        Settings settings;
+        settings.margin = margin;
+        World world(GetParam().make(), settings);
         const BodyId a = world.add_fixed_body(world.add_mesh("fixed", fixed)),
                      b = world.add_rigid_body(world.add_mesh("other", other), pose);
         world.detect();
         Depths found;
         for (const Contact& c : world.contacts())
             found.contact = std::max(found.contact, -c.distance);
+        found.is_in_contact = !world.contacts().empty();
         if (const auto parting = world.parting(a, b)) found.parting = parting->depth;
         return found;
     }
@@ -151,6 +157,51 @@ TEST_P(FlushBodiesTest, ABoxOnABladeIsPushedUp) {
             EXPECT_NEAR(found.contact, deep, 1e-6) << "turned by " << turn;
             EXPECT_NEAR(found.parting, deep, 1e-6) << "turned by " << turn;
         }
+}
+
+// A ray along the floor runs through all of it, but is nowhere deeper than the body.
+TEST_P(FlushBodiesTest, WhatStandsBetweenWallsIsNoDeeperThanItIs) {
+    const MeshData
+        tray = test::prism(
+            {{-3, -0.2f, 0},
+             {3, -0.2f, 0},
+             {3, 2, 0},
+             {2.8f, 2, 0},
+             {2.8f, 0, 0},
+             {-2.8f, 0, 0},
+             {-2.8f, 2, 0},
+             {-3, 2, 0}},
+            {{{0, 1, 4}}, {{0, 4, 5}}, {{1, 2, 4}}, {{2, 3, 4}}, {{0, 5, 7}}, {{5, 6, 7}}}),
+        corner = test::prism(
+            {{-3, -0.2f, 0}, {3, -0.2f, 0}, {3, 0, 0}, {-2.8f, 0, 0}, {-2.8f, 2, 0}, {-3, 2, 0}},
+            {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 5}}, {{3, 4, 5}}}),
+        box = scenes::box({-0.2, 0, -0.6}, {0.2, 1.6, 0.6});
+    MeshData blade = test::prism({{-0.5f, 0, 0}, {0.5f, 0, 0}, {0.5f, 0.05f, 0}}, {{{0, 1, 2}}});
+    for (Vec3f& p : blade.positions) p.z *= 0.5f;
+    constexpr double touch = 2e-5;  // more than any pair's touch tolerance
+    test::Random random(7);
+    SCOPED_TRACE("seed " + std::to_string(random.seed()));
+    int at_rest = 0;
+    for (int i = 0; i < 400; ++i) {
+        const MeshData& target = i % 2 == 0 ? tray : corner;
+        const bool is_box = i % 4 < 2;
+        const double down = std::pow(10, random.uniform(-8, -3)), tilt = down / 2;
+        const Pose pose{{random.uniform(-1, 1), -down, random.uniform(-0.3, 0.3)},
+                        {random.uniform(-tilt, tilt), 0, random.uniform(-tilt, tilt), 1}};
+        const MeshData& other = is_box ? box : blade;
+        double deepest = 0;
+        for (const Vec3f p : other.positions)
+            deepest = std::max(deepest, -frame_of(pose).to_parent(to_double(p)).y);
+        const Depths found = depths(target, other, pose, i % 8 < 4 ? 0 : 0.02);
+        // Where nothing else has a depth, a vertex may keep that of its ray, which is long at a
+        // sharp edge.
+        EXPECT_LE(found.contact, 2 * deepest + (is_box ? touch : 40 * touch)) << i;
+        if (is_box) {
+            EXPECT_LE(found.parting, 2 * deepest + touch) << i;
+        }
+        at_rest += found.is_in_contact;
+    }
+    EXPECT_GT(at_rest, 350);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backends, FlushBodiesTest, testing::ValuesIn(test::backends()),

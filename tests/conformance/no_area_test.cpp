@@ -13,6 +13,7 @@
 #include "pierce/world.hpp"
 #include "scenes/named/shapes.hpp"
 #include "support/backends.hpp"
+#include "support/prism.hpp"
 #include "support/random.hpp"
 #include "support/t_junction.hpp"
 
@@ -23,30 +24,11 @@ constexpr double rounding = 1e-6;
 
 class NoAreaTest : public testing::TestWithParam<test::NamedBackend> {};
 
-/// A prism over a polygon of the x-y plane, which is seen counterclockwise and is cut into the
-/// triangles `top`, from z = -1 to 1.
-MeshData prism(const std::vector<Vec3f>& outline, const std::vector<Triangle>& top) {
-    MeshData mesh;
-    const auto n = static_cast<std::uint32_t>(outline.size());
-    for (const float z : {-1.0f, 1.0f})
-        for (const Vec3f p : outline) mesh.positions.push_back({p.x, p.y, z});
-    for (const Triangle& t : top) {
-        mesh.triangles.push_back({{t.vertex[0], t.vertex[2], t.vertex[1]}});
-        mesh.triangles.push_back({{t.vertex[0] + n, t.vertex[1] + n, t.vertex[2] + n}});
-    }
-    for (std::uint32_t i = 0; i < n; ++i) {
-        const std::uint32_t j = (i + 1) % n;
-        mesh.triangles.push_back({{i, j, j + n}});
-        mesh.triangles.push_back({{i, j + n, i + n}});
-    }
-    return mesh;
-}
-
 /// An L: the edge over corner 3 bends inward.
 MeshData bracket() {
     const std::vector<Vec3f> outline = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0},
                                         {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
-    return prism(outline, {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 5}}, {{3, 4, 5}}});
+    return test::prism(outline, {{{0, 1, 2}}, {{0, 2, 3}}, {{0, 3, 5}}, {{3, 4, 5}}});
 }
 
 /// With a T-junction on the edges between vertex v and v + n.
@@ -226,8 +208,8 @@ TEST_P(NoAreaTest, RidgesCutByTJunctionsAreWithinTheMargin) {
     SCOPED_TRACE("seed " + std::to_string(random.seed()));
     for (int i = 0; i < 60; ++i) {
         // Two bars cross, a ridge of each towards the other: one contact of edges.
-        const MeshData bar = prism({{0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
-                                   {{{0, 1, 2}}, {{0, 2, 3}}});
+        const MeshData bar = test::prism({{0, -1, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}},
+                                         {{{0, 1, 2}}, {{0, 2, 3}}});
         const Pose turn{{}, random.rotation()};
         const double apart = random.uniform(0.02, 0.1);
         const Pose over{{2 + apart, 0, 0}, {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}};

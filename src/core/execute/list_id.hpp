@@ -41,6 +41,7 @@ enum class ListId : std::uint8_t {
     entering_rays,
     inward_rays,
     stranded_vertices,
+    deep_vertices,
     stranded_chords,
     deep_chords,
     parts,

@@ -68,6 +68,13 @@ struct LeavesBoth {
 
     PIERCE_HD bool operator()(std::uint32_t i) const { return leaves(2 * i) && leaves(2 * i + 1); }
 
+    /// [length] How far both rays of a chord get inside, if they leave both bodies.
+    PIERCE_HD double way(std::uint32_t i) const {
+        const LeavesTarget target{bodies, rays, hits};
+        const double in_target = target.way(2 * i);
+        return rays[2 * i + 1].t_max < 0 ? in_target : min_of(in_target, target.way(2 * i + 1));
+    }
+
 private:
     PIERCE_HD bool leaves(std::uint32_t ray) const {
         return rays[ray].t_max < 0 ? otherwise : LeavesTarget{bodies, rays, hits}(ray);

@@ -84,14 +84,16 @@ private:
                        chords_.rays, chords_.sources);
         executor_.emit(ListId::stranded_vertices, count_of(batch.candidates),
                        stages::FindStrandedVertices{.pairs = step.pairs,
+                                                    .rays = view_of(batch.rays),
                                                     .sources = view_of(batch.sources),
                                                     .meetings = view_of(batch.meetings),
                                                     .candidates = view_of(batch.candidates),
                                                     .keep = view_of(batch.keep),
                                                     .marks = step.marks},
-                       apart_.vertices);
+                       vertices_.middles, vertices_.sources);
         inside_tests_ = count_of(parts_.rays);
-        if (executor_.is_empty(inside_tests_ + count_of(chords_.rays) + count_of(apart_.vertices)))
+        if (executor_.is_empty(inside_tests_ + count_of(chords_.rays) +
+                               count_of(vertices_.sources)))
             return;
         test_inside(step);
         choose_directions(step);
@@ -122,23 +124,44 @@ private:
         keep_inside(ListId::touching_rays, step, edges, batch, routes);
     }
 
-    /// Which of the listed parts and chords are inside.
+    /// Which of the listed parts, chords and vertices are inside.
     void test_inside(const StepOfPairs<E>& step) {
         const View<const BodyView> bodies = step.scene.bodies;
         trace(bodies, parts_);
-        executor_.emit(
-            ListId::contained_parts, count_of(parts_.rays),
-            stages::FindContained{.leaves = {bodies, view_of(parts_.rays), view_of(parts_.hits)},
-                                  .sources = view_of(parts_.sources),
-                                  .marks = step.marks},
-            parts_.inside);
+        const stages::LeavesTarget leaves_target{bodies, view_of(parts_.rays),
+                                                 view_of(parts_.hits)};
+        const Count of_parts = count_of(parts_.rays);
+        parts_.middles.resize(of_parts);
+        executor_.for_each(of_parts,
+                           stages::GenerateMiddlesOfParts{leaves_target, view_of(parts_.middles)});
+        executor_.emit(ListId::contained_parts, of_parts,
+                       stages::FindContained{.leaves = leaves_target,
+                                             .sources = view_of(parts_.sources),
+                                             .closest = closest(bodies, parts_),
+                                             .marks = step.marks},
+                       parts_.inside);
         trace(bodies, chords_);
-        executor_.emit(
-            ListId::deep_chords, count_of(chords_.rays),
-            stages::FindDeepChords{.leaves = {bodies, view_of(chords_.rays), view_of(chords_.hits)},
-                                   .sources = view_of(chords_.sources),
-                                   .marks = step.marks},
-            chords_.inside);
+        const stages::LeavesBoth leaves_both{bodies, view_of(chords_.rays), view_of(chords_.hits)};
+        const Count of_chords = count_of(chords_.rays);
+        chords_.middles.resize(of_chords);
+        executor_.for_each(of_chords,
+                           stages::GenerateMiddlesOfChords{leaves_both, view_of(chords_.middles)});
+        executor_.emit(ListId::deep_chords, of_chords,
+                       stages::FindDeepChords{.leaves = leaves_both,
+                                              .sources = view_of(chords_.sources),
+                                              .closest = closest(bodies, chords_),
+                                              .marks = step.marks},
+                       chords_.inside);
+        executor_.emit(ListId::deep_vertices, count_of(vertices_.sources),
+                       stages::FindDeepVertices{.sources = view_of(vertices_.sources),
+                                                .closest = closest(bodies, vertices_),
+                                                .marks = step.marks},
+                       vertices_.inside);
+    }
+    /// The triangles that touch the middles of the ways inside.
+    View<const std::uint32_t> closest(View<const BodyView> bodies, InsideTests<E>& tests) {
+        tools_.update(bodies, tests.middles);
+        return tools_.closest(bodies, tests.middles);
     }
     void trace(View<const BodyView> bodies, InsideTests<E>& tests) {
         tools_.update(bodies, tests.rays);
@@ -159,21 +182,21 @@ private:
 
     /// Makes the rays along the ways apart.
     void cast_apart(const StepOfPairs<E>& step, EdgeChords<E, T>& edges) {
-        const Count vertices = count_of(apart_.vertices), chords = count_of(chords_.inside),
+        const Count vertices = count_of(vertices_.inside), chords = count_of(chords_.inside),
                     contained = count_of(parts_.inside);
         constexpr std::uint32_t per_part = stages::GenerateContainedRays::per_part;
         out_.resize(vertices + chords + per_part * contained);
         executor_.for_each(vertices, stages::GenerateStrandedRays{rays_apart(step, edges, 0u),
-                                                                  view_of(apart_.vertices)});
+                                                                  view_of(vertices_.inside)});
         executor_.for_each(chords, stages::GenerateStrandedRays{rays_apart(step, edges, vertices),
                                                                 view_of(chords_.inside)});
         const stages::RayChains of_stranded = new_chains(step, vertices);
         executor_.for_each(vertices,
-                           stages::ChainStrandedVertices{view_of(apart_.vertices), of_stranded});
+                           stages::ChainStrandedVertices{view_of(vertices_.inside), of_stranded});
         executor_.for_each(contained, stages::GenerateContainedRays{
                                           .out = rays_apart(step, edges, vertices + chords),
                                           .from = view_of(parts_.inside),
-                                          .stranded = view_of(apart_.vertices),
+                                          .stranded = view_of(vertices_.inside),
                                           .chains = of_stranded});
     }
 
@@ -222,7 +245,7 @@ private:
     StepTools<E, T>& tools_;
     E& executor_;
     LateChords<E, T> late_chords_;
-    InsideTests<E> parts_, chords_;
+    InsideTests<E> parts_, chords_, vertices_;
     WaysApart<E> apart_;
     RayBatch<E> out_;                             ///< along ways apart
     Buffer<std::uint32_t> first_of_pair_, next_;  ///< see stages::RayChains

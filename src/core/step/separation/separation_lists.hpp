@@ -14,6 +14,7 @@ namespace pierce {
 template <Executor E>
 struct InsideTests {
     typename E::template Buffer<Ray> rays;
+    typename E::template Buffer<Ray> middles;  ///< where it is asked how deep they run
     typename E::template Buffer<RaySource> sources;
     typename E::template Buffer<Hit> hits;
     typename E::template Buffer<RaySource> inside;
@@ -22,7 +23,6 @@ struct InsideTests {
 /// Pairs that overlap without a contact, and their ways apart.
 template <Executor E>
 struct WaysApart {
-    typename E::template Buffer<RaySource> vertices;  ///< that are inside
     typename E::template Buffer<std::uint32_t> pairs;
     typename E::template Buffer<Vec3d> directions;  ///< per pair of the step
 };

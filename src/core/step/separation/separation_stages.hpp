@@ -47,11 +47,36 @@ struct NeedsMore {
     }
 };
 
+/// Turns a ray that runs inside its target into the question whether what it runs through is deep:
+/// what is near the middle of its way. Where bodies only touch, a ray along their surfaces runs
+/// far, but never deeper in the target than by rounding.
+PIERCE_HD inline Ray middle_of(Ray ray, double way) {
+    ray.origin = ray.origin + (0.5 * way) * ray.direction;
+    ray.t_max = ray.touch;
+    return ray;
+}
+
+/// Per ray of a part: asks how deep the middle of its way is, if the ray leaves the target.
+struct GenerateMiddlesOfParts {
+    LeavesTarget leaves;
+    View<Ray> middles;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Ray middle = leaves.rays[i];
+        if (leaves(i))
+            middle = middle_of(middle, leaves.way(i));
+        else
+            middle.t_max = -1.0;
+        middles[i] = middle;
+    }
+};
+
 /// Per ray of a part: lists the parts that are inside, by their first vertices, and marks their
 /// pairs.
 struct FindContained {
     LeavesTarget leaves;
     View<const RaySource> sources;
+    View<const std::uint32_t> closest;  ///< to the middle of each way, if it touches
     PairMarks marks;
 
     static constexpr bool in_order = true;
@@ -59,7 +84,7 @@ struct FindContained {
     PIERCE_HD bool find(std::uint32_t i) const {
         if (i % MeshPart::count != 0) return false;
         for (std::uint32_t k = i; k < i + MeshPart::count; ++k)
-            if (leaves(k) && leaves.way(k) > 0) {
+            if (leaves(k) && closest[k] == no_triangle) {
                 marks.set(sources[i].pair, PairMarks::separates);
                 return true;
             }
@@ -74,30 +99,54 @@ struct FindContained {
 
 /// Per candidate: lists vertices of bodies that are inside as a whole, vertices that are inside
 /// although their pair has no contact, and, of pairs without a depth, vertices that touch and whose
-/// rays run inside. Marks their pairs.
+/// rays run inside. Of these, it also asks how deep the middle is; of the others, nothing.
 struct FindStrandedVertices {
     View<const Pair> pairs;
+    View<const Ray> rays;
     View<const RaySource> sources;
     View<const Meeting> meetings;
     View<const std::uint32_t> candidates, keep;
     PairMarks marks;
 
+    enum Found : std::uint8_t { none, inside, runs_inside };
+
+    PIERCE_HD Found find(std::uint32_t i) const {
+        const std::uint32_t ray = candidates[i];
+        const RaySource& from = sources[ray];
+        if (from.start != RayStart::vertex || pairs[from.pair].is_self()) return none;
+        if (!marks.any(from.pair, PairMarks::in_contact) ||
+            (!keep[i] && marks.any(from.pair, PairMarks::contained)))
+            return inside;
+        const bool runs = marks.any(from.pair, PairMarks::runs_inside) &&
+                          !marks.any(from.pair, PairMarks::has_depth) &&
+                          meetings[ray].t > constants::skin * rays[ray].touch;
+        return runs ? runs_inside : none;
+    }
+    PIERCE_HD static std::uint32_t count(Found found) { return found != none; }
+    PIERCE_HD void write(std::uint32_t i, Found found, std::uint32_t place, Ray* middles,
+                         RaySource* stranded) const {
+        if (found == none) return;
+        const std::uint32_t ray = candidates[i];
+        middles[place] = middle_of(rays[ray], meetings[ray].t);
+        if (found == inside) middles[place].t_max = -1.0;
+        stranded[place] = sources[ray];
+    }
+};
+
+/// Per stranded vertex: lists those that are deep, and marks their pairs.
+struct FindDeepVertices {
+    View<const RaySource> sources;
+    View<const std::uint32_t> closest;  ///< to the middle, if it touches
+    PairMarks marks;
+
     PIERCE_HD bool find(std::uint32_t i) const {
-        const RaySource& from = sources[candidates[i]];
-        const bool is_contained = !keep[i] && marks.any(from.pair, PairMarks::contained),
-                   runs_inside = marks.any(from.pair, PairMarks::runs_inside) &&
-                                 !marks.any(from.pair, PairMarks::has_depth) &&
-                                 meetings[candidates[i]].t > 0;
-        if (from.start != RayStart::vertex || pairs[from.pair].is_self() ||
-            (!is_contained && !runs_inside && marks.any(from.pair, PairMarks::in_contact)))
-            return false;
-        marks.set(from.pair, PairMarks::separates);
+        if (closest[i] != no_triangle) return false;
+        marks.set(sources[i].pair, PairMarks::separates);
         return true;
     }
     PIERCE_HD static std::uint32_t count(bool found) { return found; }
-    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place,
-                         RaySource* stranded) const {
-        if (found) stranded[place] = sources[candidates[i]];
+    PIERCE_HD void write(std::uint32_t i, bool found, std::uint32_t place, RaySource* deep) const {
+        if (found) deep[place] = sources[i];
     }
 };
 
@@ -128,15 +177,32 @@ struct FindStrandedChords {
     }
 };
 
-/// Per ray of such a chord: lists the chords both of whose rays leave their bodies, and marks their
-/// pairs.
+/// Per ray of such a chord: of a chord whose two rays leave their bodies, asks once how deep the
+/// middle of what both run through is.
+struct GenerateMiddlesOfChords {
+    LeavesBoth leaves;
+    View<Ray> middles;
+
+    PIERCE_HD void operator()(std::uint32_t i) const {
+        Ray middle = leaves.rays[i];
+        if (i % 2 == 0 && leaves(i / 2))
+            middle = middle_of(middle, leaves.way(i / 2));
+        else
+            middle.t_max = -1.0;
+        middles[i] = middle;
+    }
+};
+
+/// Per ray of such a chord: lists the chords both of whose rays leave their bodies and run deep,
+/// and marks their pairs.
 struct FindDeepChords {
     LeavesBoth leaves;
     View<const RaySource> sources;
+    View<const std::uint32_t> closest;  ///< to the middle, if it touches
     PairMarks marks;
 
     PIERCE_HD bool find(std::uint32_t i) const {
-        if (i % 2 == 1 || !leaves(i / 2)) return false;
+        if (i % 2 == 1 || !leaves(i / 2) || closest[i] != no_triangle) return false;
         marks.set(sources[i].pair, PairMarks::separates);
         return true;
     }

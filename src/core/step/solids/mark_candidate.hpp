@@ -84,7 +84,8 @@ struct MarkCandidate {
         if (is_kept && !is_deep && is_vertex) {
             bits |= PairMarks::vertex_touches;
             const Pair pair = contained.pairs[from.pair];
-            if (of_ray > 0 && runs_in_own(contained.bodies[pair.source(from.side)], from.item))
+            if (runs_through_both(contained.bodies[pair.source(from.side)], from.item, of_ray,
+                                  rays[candidates[candidate]].touch))
                 bits |= PairMarks::runs_inside;
         }
         if (bits != 0) marks.set(from.pair, bits);
