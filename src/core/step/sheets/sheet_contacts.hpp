@@ -185,7 +185,8 @@ struct FillSheetContact {
         SheetRecord record;
         record.other = f.other;
         record.age = c.age;
-        const bool is_through = m.distance < 0 &&
+        // What touches has come from somewhere, too.
+        const bool is_through = !(m.distance > 0) &&
                                 -m.distance <= target.view.memory + pair.thickness;
         record.side = is_through ? judgement.side : std::int8_t{0};
         record.found = judgement.found;
@@ -193,8 +194,9 @@ struct FillSheetContact {
         record.is_edge = !is_vertex;
         record.distance = m.distance;
         records[i] = record;
-        if (is_vertex && is_through)
-            atomic_max(deepest[f.pair], std::bit_cast<std::uint32_t>(round_up(-m.distance)));
+        if (record.side != 0)
+            atomic_max(deepest[f.pair],
+                       std::bit_cast<std::uint32_t>(max_of(round_up(-m.distance), smallest_float)));
     }
 };
 

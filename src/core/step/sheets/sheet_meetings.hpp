@@ -148,7 +148,8 @@ private:
         // Reading the memory takes longer than all the rest, so it is read only where it matters.
         const std::int32_t remembered = pair.was_through ? memory.side(f, target(f).mesh.triangles)
                                                          : 0;
-        std::int32_t its_side = side(f, face, p, height, remembered, met, impact);
+        bool is_known = true;
+        std::int32_t its_side = side(f, face, p, height, remembered, met, impact, is_known);
         // A vertex inside a solid is pushed out along a ray. But a vertex that leaves the solid
         // here and still ends behind the triangle, or on it, has come in again, and may have
         // slipped around the triangle's border before. One that ends outside may be near.
@@ -189,6 +190,8 @@ private:
             m.distance = dot(m.out, p.end - at);
         }
         if (met) m.time = impact.time;
+        // Of a vertex that touches, only a side that it has come from is remembered.
+        if (!is_known && !(m.distance < 0)) judgement.side = 0;
         return judgement;
     }
 
@@ -210,10 +213,11 @@ private:
         return weight[0] >= 0 && weight[1] >= 0 && 1 - weight[0] - weight[1] >= 0;
     }
 
-    /// The side of the triangle that the vertex belongs to.
+    /// The side of the triangle that the vertex belongs to. It is not known of a vertex that lies
+    /// on the triangle and does not move.
     PIERCE_HD std::int32_t side(const FeaturePair& f, const MovingTriangle& face,
                                 const MovingPoint& p, double height, std::int32_t remembered,
-                                bool met, const Impact& impact) const {
+                                bool met, const Impact& impact, bool& is_known) const {
         if (remembered != 0) return remembered;
         const Vec3d n = face.start_normal(), from_corner = p.start - face.corner[0].start;
         const double before = dot(n, from_corner);
@@ -236,11 +240,13 @@ private:
             const double approach = dot(then, motion);
             if (std::fabs(approach) > constants::motion_rounding * length(then) * way)
                 return approach < 0 ? 1 : -1;
-            return before < -constants::motion_rounding * length(n) * length(from_corner) ? -1 : 1;
+            const double rounding = constants::motion_rounding * length(n) * length(from_corner);
+            is_known = std::fabs(before) > rounding;
+            return before < -rounding ? -1 : 1;
         }
         if ((before < 0) == (height < 0)) return height < 0 ? -1 : 1;
-        // The vertex has changed sides without meeting this triangle: through a neighbour, or
-        // around the border.
+        // The vertex has changed sides without meeting this triangle: through one that shares a
+        // corner with it, or around the border.
         bool through = false;
         if constexpr (searching) through = meets_neighbor(f, p);
         return (through ? before : height) < 0 ? -1 : 1;
@@ -248,17 +254,23 @@ private:
 
     PIERCE_HD bool meets_neighbor(const FeaturePair& f, const MovingPoint& p) const {
         const SheetBody of_face = target(f);
-        const Vec3d origin = of_face.vertex(of_face.mesh.triangles[f.other].vertex[0]).end;
-        for (std::uint32_t neighbor : of_face.mesh.neighbors[f.other].across) {
-            if (neighbor == no_triangle) continue;
-            if (sheet_pairs[f.pair].is_self() &&
-                has_vertex(of_face.mesh.triangles[neighbor], f.item))
-                continue;
-            const MovingTriangle face(of_face, neighbor, origin);
-            Impact impact;
-            if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact))
-                return true;
-        }
+        const MeshView& mesh = of_face.mesh;
+        const Triangle& own = mesh.triangles[f.other];
+        const Vec3d origin = of_face.vertex(own.vertex[0]).end;
+        const bool is_self = sheet_pairs[f.pair].is_self();
+        for (std::uint32_t v : own.vertex)
+            for (std::uint32_t i = mesh.corner_offsets[v]; i < mesh.corner_offsets[v + 1]; ++i) {
+                const Corner& c = mesh.corners[i];
+                const Triangle other{{v, c.next, c.previous}};
+                if ((has_vertex(own, c.next) && has_vertex(own, c.previous)) ||
+                    (is_self && has_vertex(other, f.item)))
+                    continue;
+                const MovingTriangle face(of_face.vertex(v), of_face.vertex(c.next),
+                                          of_face.vertex(c.previous), origin);
+                Impact impact;
+                if (vertex_meets_face(p, face.corner[0], face.corner[1], face.corner[2], impact))
+                    return true;
+            }
         return false;
     }
 
@@ -318,7 +330,13 @@ private:
         const double flat = constants::meeting_tolerance * length(u) * length(v);
         const bool turned = dot(n, motion) > 0;
         Judgement judgement{Verdict::contact, Found::crossing};
-        if (length(n) > flat && length(end) > flat && dot(n, motion) != 0)
+        // Edges that touched when the step began meet at once, wherever they go.
+        const std::int32_t remembered = pair.was_through && !(impact.time > 0)
+                                            ? memory.side_of_edges(f)
+                                            : 0;
+        if (remembered != 0 && length(end) > flat)
+            m.out = static_cast<double>(remembered) * normalized(end);
+        else if (length(n) > flat && length(end) > flat && dot(n, motion) != 0)
             m.out = normalized(turned ? -end : end);
         else
             m.out = way_out(judgement, {-motion, way});
@@ -326,6 +344,7 @@ private:
                      second_place = between ? at.second : impact.v;
         way = p.end + first_place * (q.end - p.end) - r.end - second_place * (s.end - r.end);
         m.distance = dot(m.out, way);
+        if (m.distance == 0 && length(end) > flat) judgement.side = dot(m.out, end) > 0 ? 1 : -1;
         set_places(m, first_place, second_place);
         m.time = impact.time;
         return judgement;

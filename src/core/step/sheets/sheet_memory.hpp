@@ -18,16 +18,38 @@ struct SheetMemory {
     View<const SheetRecord> records;
     SheetKey sheet_key;
 
-    /// The side of a triangle that a vertex belongs to; 0 if nothing is remembered.
+    /// The side of a triangle that a vertex belongs to; 0 if nothing is remembered. If it is
+    /// remembered of several triangles, as in a fold, the one counts that shares most corners with
+    /// this one, and of these the one that the vertex was nearest to.
     PIERCE_HD std::int32_t side(const FeaturePair& f, View<const Triangle> triangles) const {
         std::int32_t side = 0;
+        int most = 0;
+        double nearest = 0;
         each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
-            const bool same = record.other == f.other;
-            if (record.side == 0 ||
-                (!same && !share_corner(triangles[record.other], triangles[f.other])))
-                return false;
-            if (same || side == 0) side = record.side;
-            return same;
+            if (record.side == 0) return false;
+            if (record.other == f.other) {
+                side = record.side;
+                return true;
+            }
+            const int shared = shared_corners(triangles[record.other], triangles[f.other]);
+            const double distance = record.distance < 0 ? -record.distance : record.distance;
+            if (shared > most || (shared > 0 && shared == most && distance < nearest)) {
+                side = record.side;
+                most = shared;
+                nearest = distance;
+            }
+            return false;
+        });
+        return side;
+    }
+
+    /// The side of one edge that another one belongs to, if they touched: +1 on that of the cross
+    /// product of both; 0 if nothing is remembered.
+    PIERCE_HD std::int32_t side_of_edges(const FeaturePair& f) const {
+        std::int32_t side = 0;
+        each(f.pair, f.kind, f.item, [&](const SheetRecord& record) {
+            if (record.other == f.other) side = record.side;
+            return side != 0;
         });
         return side;
     }
@@ -49,9 +71,8 @@ struct SheetMemory {
     }
 
 private:
-    PIERCE_HD static bool share_corner(const Triangle& a, const Triangle& b) {
-        return has_vertex(a, b.vertex[0]) || has_vertex(a, b.vertex[1]) ||
-               has_vertex(a, b.vertex[2]);
+    PIERCE_HD static int shared_corners(const Triangle& a, const Triangle& b) {
+        return has_vertex(a, b.vertex[0]) + has_vertex(a, b.vertex[1]) + has_vertex(a, b.vertex[2]);
     }
 
     /// Calls see(record) for the feature's records until `see` returns true.
