@@ -91,9 +91,7 @@ class MeshContacts:
         if any(other.model is model for other in _alive):
             raise ValueError("another MeshContacts has geoms of this model: release() it first")
         if most_per_pair is not None and most_per_pair < least_reduced:
-            raise ValueError(
-                f"most_per_pair must be at least {least_reduced}, got {most_per_pair}"
-            )
+            raise ValueError(f"most_per_pair must be at least {least_reduced}, got {most_per_pair}")
         self.model: mj.MjModel = model
         self.geoms = _mesh_geoms(model, geoms)
         self.most_per_pair = most_per_pair

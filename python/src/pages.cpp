@@ -58,6 +58,8 @@ void make_page(PyPage* self, nb::handle_t<PyWorld> world, std::string title, nb:
         asked->mesh_of(id);  // throws for what is no body of the world
         of_bodies[id] = std::move(text);
     }
+    if (!(dt >= 0) || std::isinf(dt))
+        throw InputError("dt: the time from frame to frame is negative or not finite");
     new (self) PyPage{nb::borrow(world), std::make_unique<page::ScenePage>(page::ScenePage::Options{
                                              .title = std::move(title),
                                              .body_names = std::move(of_bodies),
@@ -79,6 +81,8 @@ void add(PyPage& self, const nb::kwargs& figures) {
 }
 
 void write(const PyPage& self, const std::filesystem::path& file, const nb::kwargs& made_with) {
+    if (self.page->frame_count() == 0)
+        throw InputError("the page has no frames: add() keeps one after each detect()");
     json about{{"versions", {{"pierce", PIERCE_VERSION}}}};
     about.update(json_of(made_with));
     // Nobody adds a frame meanwhile.

@@ -2,6 +2,7 @@
 
 import gc
 import json
+import math
 import os
 import subprocess
 import threading
@@ -405,6 +406,40 @@ def test_what_a_page_cannot_hold():
     for value in (10**400, "\ud800", [{"deep": -(10**309)}]):
         with pytest.raises(pierce.InputError, match="beyond float64, or no Unicode"):
             page.add(thing=value)
+
+
+def test_figures_of_some_frames_are_a_line(browser, tmp_path, two_tori):
+    world = two_tori[0]
+    page = pierce.Page(world)
+    for frame in range(9):
+        world.detect()
+        page.add(**({"error": {"missed": 0.5 + frame}} if frame % 4 == 0 else {}))
+    page.write(tmp_path / "some.html")
+    browser.open(tmp_path / "some.html")
+    browser.run("player.showTab('charts')")
+    # A pixel between two frames whose figure is known has the line's colour.
+    assert browser.run(
+        """const { chart } = player.charts.charts.find(({ chart }) =>
+             chart.data.datasets.some((d) => d.label === "missed"));
+        const x = chart.scales.x.getPixelForValue(2), y = chart.scales.y.getPixelForValue(2.5);
+        const scale = chart.currentDevicePixelRatio, r = 3 * scale;
+        const pixels = chart.ctx.getImageData(x * scale - r, y * scale - r, 2 * r, 2 * r).data;
+        const line = chart.data.datasets[0].borderColor;
+        const [red, green, blue] = [1, 3, 5].map((k) => parseInt(line.slice(k, k + 2), 16));
+        return pixels.some((_, i) => i % 4 === 0 && Math.abs(pixels[i] - red) < 24 &&
+          Math.abs(pixels[i + 1] - green) < 24 && Math.abs(pixels[i + 2] - blue) < 24 &&
+          pixels[i + 3] > 128);"""
+    )
+    assert browser.complaints() == []
+
+
+def test_a_page_without_frames_is_none(tmp_path, two_tori):
+    world = two_tori[0]
+    with pytest.raises(pierce.InputError, match="no frames"):
+        pierce.Page(world).write(tmp_path / "none.html")
+    for dt in (-1.0, math.nan, math.inf):
+        with pytest.raises(pierce.InputError, match="dt"):
+            pierce.Page(world, dt=dt)
 
 
 def test_what_a_filter_raises_comes_out_of_the_call_that_asks_it(two_tori):

@@ -184,8 +184,8 @@ void add_compare(CLI::App& app, int& code) {
         ->check(CLI::Range(1, 1024));
     command
         ->add_option("--every", options->every,
-                     "make the truth, if there is none yet, for every Nth frame")
-        ->capture_default_str()
+                     "truth for every Nth frame; if not given, the truth that is there, or "
+                     "every 4th frame")
         ->check(CLI::Range(1u, 1000000u));
     command->add_option("--json", options->json, "write all figures to FILE")->type_name("FILE");
     command->add_option("--plots", options->plots, "draw time against error into DIR")

@@ -50,6 +50,16 @@ void write_last_picture(World& world, const scenes::SceneSetup& scene, const fs:
     write_picture(world, ground, {.around = box_of_bodies(world, ground)}, file);
 }
 
+fs::path picture_of(const fs::path& folder, std::uint32_t frame) {
+    return folder / fmt::format("{:05}.png", frame);
+}
+
+/// Those of another replay are not to follow this one's.
+void remove_pictures(const fs::path& folder) {
+    for (std::uint32_t f = 0; fs::remove(picture_of(folder, f)); ++f) {
+    }
+}
+
 void require_rays(World* world, const fs::path& png) {
     if (world == nullptr && !png.empty())
         throw InputError("--png and --pictures need --method rays: they trace the pictures");
@@ -209,6 +219,7 @@ int replay(const ReplayOptions& options) {
     if (!options.pictures.empty() && recording.frame_count > 0) {
         // All pictures show the place where the bodies end, which a world of its own finds out.
         fs::create_directories(options.pictures);
+        remove_pictures(options.pictures);
         const auto ahead = scenes::make_detector(scene, method, options.detection.rays);
         scenes::put_frame(*ahead, recording, recording.frame_count - 1);
         shot.deepest = ahead->detect().penetration_max;
@@ -224,8 +235,7 @@ int replay(const ReplayOptions& options) {
             log.add(detector->detect());
             page.add(log.last_json());
             if (!options.pictures.empty())
-                write_picture(*detector->world(), ground, shot,
-                              options.pictures / fmt::format("{:05}.png", f));
+                write_picture(*detector->world(), ground, shot, picture_of(options.pictures, f));
             progress.show(f + 1);
         }
     });

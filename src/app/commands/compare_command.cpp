@@ -115,10 +115,11 @@ int compare_recording(const CompareOptions& options) {
                truth.size(), options.threads, options.threads == 1 ? "" : "s");
     print(results);
     for (const std::string& line : left_out) fmt::print("  left out: {}\n", line);
-    const json settings{{"command", "compare"},
-                        {"folder", options.folder.filename().string()},
-                        {"threads", options.threads},
-                        {"every", options.every}};
+    const json settings{
+        {"command", "compare"},
+        {"folder", options.folder.filename().string()},
+        {"threads", options.threads},
+        {"every", truth.size() > 1 ? sampling_of(truth) : options.every.value_or(usual_truth)}};
     if (!options.json.empty()) {
         json list = json::array();
         for (const Comparison& c : results) list.push_back(to_json(c));

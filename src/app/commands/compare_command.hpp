@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@ struct CompareOptions {
     std::filesystem::path folder;
     std::vector<std::string> methods;  ///< empty: all
     int threads = 1;
-    std::uint32_t every = 4;  ///< truth is made for every such frame
+    std::optional<std::uint32_t> every;  ///< truth is for every such frame
     std::filesystem::path json, plots;
     PageOptions page;
 };

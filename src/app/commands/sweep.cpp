@@ -63,6 +63,8 @@ bool run_one(const Sweep& sweep, const SweepRun& run) {
         write_json_file(run.done(), sweep.done_by(run, false));
     }
     if (sweep.is_done(run)) return true;
+    // Another comparison may have made the truth of other frames.
+    if (sweep.has_compared(run)) fs::remove(run.motion() / "truth.json");
     std::vector<std::string> arguments{"compare", run.motion().string(), "--json",
                                        run.comparison().string()};
     arguments.insert(arguments.end(), sweep.compare.begin(), sweep.compare.end());

@@ -135,6 +135,8 @@ bool Sweep::has_run(const SweepRun& run) const {
            fs::exists(run.result()) && (!compares || fs::exists(run.motion()));
 }
 
+bool Sweep::has_compared(const SweepRun& run) const { return read_done(run).contains("compare"); }
+
 bool Sweep::is_done(const SweepRun& run) const {
     if (!has_run(run)) return false;
     return !compares || (read_done(run) == done_by(run, true) && fs::exists(run.comparison()));

@@ -35,6 +35,8 @@ struct Sweep {
     nlohmann::json done_by(const SweepRun& run, bool compared) const;
     /// True if the run's command has ended well with the arguments that it has now.
     bool has_run(const SweepRun& run) const;
+    /// True if methods have been compared on the run's motion, whatever the arguments were.
+    bool has_compared(const SweepRun& run) const;
     /// True if all results of a run are there.
     bool is_done(const SweepRun& run) const;
 };

@@ -4,7 +4,9 @@
 #include <spawn.h>
 #include <unistd.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "app/measure/recording_files.hpp"
 #include "app/output/child.hpp"
@@ -69,16 +71,38 @@ void check_truth_program() {
             "PIERCE_BENCH=ON");
 }
 
-std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::uint32_t every,
-                                        bool pairs_only) {
-    const fs::path file = folder / "truth.json";
-    if (!fs::exists(file)) {
-        std::vector<std::string> arguments{folder.string(), "--every", std::to_string(every)};
-        if (pairs_only) arguments.emplace_back("--pairs-only");
-        run_truth_program(std::move(arguments));
-    }
+std::uint32_t sampling_of(const std::vector<scenes::TrueFrame>& truth) {
+    return truth[1].frame - truth[0].frame;
+}
+
+namespace {
+
+std::vector<scenes::TrueFrame> read(const fs::path& file) {
     const Waiting waiting("reading " + file.string());
     return scenes::read_truth(file);
+}
+
+/// Leaves every Nth frame. False if the truth lacks some of them.
+bool keep_every(std::vector<scenes::TrueFrame>& truth, std::uint32_t every) {
+    if (truth.size() < 2 || every % sampling_of(truth) != 0) return false;
+    std::erase_if(truth, [&](const scenes::TrueFrame& f) { return f.frame % every != 0; });
+    return true;
+}
+
+}  // namespace
+
+std::vector<scenes::TrueFrame> truth_of(const fs::path& folder, std::optional<std::uint32_t> every,
+                                        bool pairs_only) {
+    const fs::path file = folder / "truth.json";
+    if (fs::exists(file)) {
+        std::vector<scenes::TrueFrame> truth = read(file);
+        if (!every || keep_every(truth, *every)) return truth;
+    }
+    std::vector<std::string> arguments{folder.string(), "--every",
+                                       std::to_string(every.value_or(usual_truth))};
+    if (pairs_only) arguments.emplace_back("--pairs-only");
+    run_truth_program(std::move(arguments));
+    return read(file);
 }
 
 std::vector<scenes::TrueFrame> truth_of(const scenes::Recording& recording, std::uint32_t every,

@@ -81,10 +81,11 @@ std::vector<BodyId> ground_of(const scenes::SceneSetup& scene) {
 }
 
 Box box_of_bodies(const World& world, std::span<const BodyId> ground) {
-    Box box;
+    Box box, of_ground;
     for (const World::BodyBox& b : world.body_boxes())
-        if (std::ranges::find(ground, b.body) == ground.end()) box.extend(b.box);
-    return box;
+        (std::ranges::find(ground, b.body) == ground.end() ? box : of_ground).extend(b.box);
+    if (!box.empty()) return box;
+    return of_ground.empty() ? Box{{-1, -1, -1}, {1, 1, 1}} : of_ground;
 }
 
 void write_picture(World& world, std::span<const BodyId> ground, const Shot& shot,

@@ -12,7 +12,8 @@ namespace pierce::app {
 /// The bodies of a scene's world that are its ground.
 std::vector<BodyId> ground_of(const scenes::SceneSetup& scene);
 
-/// The box around all bodies of the world's last step but the ground.
+/// The box around all bodies of the world's last step but the ground; around the ground where there
+/// are no others, and around the origin where there is nothing.
 Box box_of_bodies(const World& world, std::span<const BodyId> ground);
 
 /// What a picture shows.

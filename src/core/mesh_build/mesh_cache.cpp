@@ -110,7 +110,7 @@ std::string content_of(const std::filesystem::path& file, std::size_t most) {
 MeshCache::MeshCache(std::filesystem::path folder) : folder_(std::move(folder)) {
     std::error_code failed;
     std::filesystem::create_directories(folder_, failed);
-    if (!std::filesystem::is_directory(folder_))
+    if (!std::filesystem::is_directory(folder_, failed))
         throw InputError("there is no folder '" + folder_.string() +
                          "' for measured meshes, and none can be made");
 }

@@ -62,7 +62,8 @@ class Charts {
         datasets: names.map((name, k) => ({
           label: name.replaceAll("_", " "), data: series[name], hidden: k >= MOST_SERIES,
           borderColor: KINDS[k % MOST_SERIES], backgroundColor: KINDS[k % MOST_SERIES],
-          borderDash: k >= MOST_SERIES ? [4, 3] : [], borderWidth: 1.4, pointRadius: this.data.frameCount > 1 ? 0 : 4,
+          borderDash: k >= MOST_SERIES ? [4, 3] : [], borderWidth: 1.4, pointRadius: series[name].filter(isNumber).length > 1 ? 0 : 4,
+          spanGaps: true,  // errors are known where the truth is, which may be every fourth frame
         })),
       },
       options: {

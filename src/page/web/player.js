@@ -161,8 +161,8 @@ class Player {
     this.bodies.show(frame, (b) => {
       if (b === selection.body) return SELECTED_BODY;
       if (filters.colors === "body") return channels(KINDS[b % KINDS.length]);
-      const colored = filters.colors === "depth" && depths[b] > 0 && data.bodies[b].motion !== "fixed";
-      return colored ? bodyColor(depths[b] / this.deepest) : PLAIN;
+      const colored = filters.colors === "depth" && depths[b] >= 0 && data.bodies[b].motion !== "fixed";
+      return colored ? bodyColor(this.deepest > 0 ? depths[b] / this.deepest : 0) : PLAIN;
     });
     this.contacts.show(frame, (i) => filters.keeps(i), ofContact, selection.contact);
     this.overlays.show(frame, this.#selectedBody(), selection.vertex);
@@ -180,12 +180,12 @@ class Player {
     if (!this.playing) this.#writeHash();
   }
 
-  /** The deepest contact of every body. */
+  /** The deepest contact of every body; negative for a body without one. */
   #depths(frame) {
-    const c = this.data.columns, depths = new Float64Array(this.data.bodies.length);
+    const c = this.data.columns, depths = new Float64Array(this.data.bodies.length).fill(-1);
     const [begin, end] = this.data.contactRange(frame);
     for (let i = begin; i < end; ++i)
-      for (const body of [c.contact_a[i], c.contact_b[i]]) depths[body] = Math.max(depths[body], -c.contact_distance[i]);
+      for (const body of [c.contact_a[i], c.contact_b[i]]) depths[body] = Math.max(depths[body], -c.contact_distance[i], 0);
     return depths;
   }
   #selectedBody() {

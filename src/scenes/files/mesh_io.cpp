@@ -19,7 +19,8 @@ constexpr std::size_t enough = 1 << 16;  // bytes to write at once
 
 std::string content_of(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
-    if (!in || !std::filesystem::is_regular_file(file))
+    std::error_code failed;
+    if (!in || !std::filesystem::is_regular_file(file, failed))
         throw InputError("cannot open '" + file.string() + "'");
     std::string content(std::filesystem::file_size(file), '\0');
     if (!in.read(content.data(), static_cast<std::streamsize>(content.size())))

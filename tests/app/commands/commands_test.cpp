@@ -133,6 +133,24 @@ TEST_F(AppTest, WritesAPictureOfEveryFrame) {
                    "--pictures need --method rays");
 }
 
+TEST_F(AppTest, PicturesAreThoseOfTheReplayAlone) {
+    ASSERT_EQ(pierce("run tori --count 2 --seconds 0.1 --record " + path("long")).code, 0);
+    ASSERT_EQ(pierce("run tori --count 2 --seconds 0.05 --record " + path("short")).code, 0);
+    for (const auto& [recording, frames] : {std::pair("long", 6), std::pair("short", 3)}) {
+        ASSERT_EQ(pierce("replay " + path(recording) + " --pictures " + path("pictures")).code, 0);
+        EXPECT_EQ(std::distance(fs::directory_iterator(folder / "pictures"), {}), frames);
+    }
+}
+
+// Bodies that are left out of the last step are in no picture.
+TEST_F(AppTest, APictureOfTheGroundAloneIsOne) {
+    const Outcome outcome = pierce("run tori --count 2 --seconds 1e300 --dt 1e299 --png " +
+                                   path("ground.png") + " --json " + path("ground.json"));
+    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_TRUE(fs::exists(folder / "ground.png"));
+    EXPECT_TRUE(fs::exists(folder / "ground.json"));
+}
+
 TEST_F(AppTest, RunsRecordsAndReplaysTheSameContacts) {
     const Outcome run = pierce("run tori --count 5 --seconds 2 --record " + path("motion") +
                                " --json " + path("run.json") + " --png " + path("last.png"));

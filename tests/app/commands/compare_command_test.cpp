@@ -92,8 +92,19 @@ TEST_F(CompareCommandTest, ComparesAllMethodsThatCanServe) {
     for (const char* name : {"gjk-hull", "gjk-epa"})
         EXPECT_THAT(outcome.text, HasSubstr("  left out: " + std::string(name) +
                                             ": its shapes cannot follow deforming bodies"));
-    EXPECT_THAT(compare("--every 1").text, HasSubstr("2 of them with the truth"))
-        << "the truth there is, is used";
+    const auto frames_of = [&](const std::string& how) {
+        const std::string file = path("sampling.json");
+        const Outcome again = compare(how + " --methods full --json " + file);
+        EXPECT_EQ(again.code, 0) << again.text;
+        const std::size_t at = again.text.find(" frames, ") + 9;
+        return std::pair(std::atoi(again.text.c_str() + at),
+                         read("sampling.json")["settings"]["every"].get<int>());
+    };
+    EXPECT_EQ(frames_of(""), std::pair(2, 6)) << "the truth there is, is used";
+    EXPECT_EQ(frames_of("--every 12"), std::pair(1, 12)) << "a part of it";
+    EXPECT_EQ(frames_of(""), std::pair(2, 6));
+    EXPECT_EQ(frames_of("--every 2"), std::pair(6, 2)) << "made anew";
+    EXPECT_EQ(frames_of("--every 4"), std::pair(3, 4));
     expect_refused("compare " + path("motion") + " --methods gjk-epa",
                    "its shapes cannot follow deforming bodies");
 }

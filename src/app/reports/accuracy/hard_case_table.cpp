@@ -22,7 +22,8 @@ using scenes::HardCase;
 using scenes::HardRay;
 using scenes::Meets;
 
-constexpr const char* methods[] = {"full", "complete", "reprojected", "gjk-hull", "gimpact"};
+constexpr const char* methods[] = {"full",        "overlaps", "complete",
+                                   "reprojected", "gjk-hull", "gimpact"};
 constexpr const char* not_asked = "-";
 constexpr double none = -1;  // in numbers: no contact, nothing met
 
