@@ -56,7 +56,19 @@ void leave_out_doubles(std::span<const Triangle> triangles, OrientedTriangles& r
     }
 }
 
-/// The neighbours of triangles across edges with two triangles.
+/// Vertices at which an odd number of edges with a single triangle end. Borders of a surface are
+/// loops, so an edge between two such vertices is a part of a border that another surface hides: a
+/// wall within a mesh, whose rim lacks a triangle.
+std::vector<bool> ends_of_borders(const HalfEdges& edges, std::size_t vertex_count) {
+    std::vector<bool> is_odd(vertex_count, false);
+    edges.for_each_edge([&](std::span<const HalfEdge> sides) {
+        if (sides.size() != 1) return;
+        for (const std::uint32_t v : {sides[0].low, sides[0].high}) is_odd[v] = !is_odd[v];
+    });
+    return is_odd;
+}
+
+/// The neighbours of triangles across edges with two triangles, but for hidden borders.
 struct Across {
     std::uint32_t triangle;  ///< no_triangle if there is none
     bool same_way;           ///< both run through the edge the same way, so one of them is turned
@@ -66,8 +78,11 @@ std::vector<std::array<Across, 3>> neighbors_of(std::span<const Triangle> triang
                                                 std::size_t vertex_count) {
     constexpr Across nothing{no_triangle, false};
     std::vector<std::array<Across, 3>> across(triangles.size(), {nothing, nothing, nothing});
-    HalfEdges(triangles, vertex_count).for_each_edge([&](std::span<const HalfEdge> sides) {
+    const HalfEdges edges(triangles, vertex_count);
+    const std::vector<bool> ends_border = ends_of_borders(edges, vertex_count);
+    edges.for_each_edge([&](std::span<const HalfEdge> sides) {
         if (sides.size() != 2) return;
+        if (ends_border[sides[0].low] && ends_border[sides[0].high]) return;
         const bool same_way = sides[0].forward == sides[1].forward;
         for (int k = 0; k < 2; ++k)
             across[sides[k].triangle][sides[k].opposite] = {sides[1 - k].triangle, same_way};

@@ -243,6 +243,19 @@ TEST(ClosedSurfaceTest, WallsThatCrossAreLeftOut) {
         }
 }
 
+// At the rim of a wall, what is left around the hole has two triangles: the wall and another side.
+TEST(ClosedSurfaceTest, ATriangleThatIsMissingAtTheRimOfAWallIsAHole) {
+    const MeshData whole = scenes::box({-1, -1, -1}, {1, 1, 1});
+    const MeshData mesh = box_with_walls(1);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        MeshData damaged = mesh;
+        damaged.triangles.erase(damaged.triangles.begin() + static_cast<std::ptrdiff_t>(t));
+        const auto [closed, inside] = solid(damaged);
+        EXPECT_EQ(inside.rule, Inside::winding) << t;
+        expect_same_inside(closed, whole, 0, "without " + std::to_string(t));
+    }
+}
+
 // Each box is a closed patch whose middles of triangles lie in the other one, or in a third one.
 TEST(ClosedSurfaceTest, ClosedPartsThatStickOutOfOthersStay) {
     MeshData small = scenes::box({-0.8f, -0.8f, -0.8f}, {0.8f, 0.8f, 0.8f});

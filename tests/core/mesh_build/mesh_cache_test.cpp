@@ -159,6 +159,7 @@ TEST_F(MeshCacheTest, AFolderThatCannotBeIsNamed) {
     const fs::path file = fs::path(testing::TempDir()) / "pierce_no_folder";
     write(file, "a file");
     EXPECT_THROW(Mesh("torus", data_, {.cache = file / "below"}), InputError);
+    EXPECT_THROW(Mesh("torus", data_, {.cache = folder_ / std::string(300, 'a')}), InputError);
     fs::remove(file);
 }
 
