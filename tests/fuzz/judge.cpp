@@ -157,12 +157,12 @@ private:
         if (const auto wrong = contradicted_by_truth(model_, contacts, counts_.oracle))
             return fail(wrong->kind, wrong->text);
         knows_sides_ = std::ranges::any_of(
-            contacts, [](const Contact& c) { return c.of_sheet && c.distance < 0; });
+            contacts, [](const Contact& c) { return c.of_sheet && !(c.distance > 0); });
     }
 
     /// What a step remembers never changes its contacts: a new world in the same state, which
     /// remembers nothing, has the same. But for the paper's mode, and for the sides of sheets that
-    /// are through something.
+    /// touch something or are through it.
     void compare_with_fresh(std::span<const Contact> contacts) {
         Player fresh = model_.fresh(backends_[0].make, Temporal::off, pool_);
         const std::vector<Contact> expected = contacts_of(fresh, model_.bodies());
@@ -222,7 +222,7 @@ private:
     Model model_;
     std::vector<Player> players_;
     std::set<std::size_t> restored_;  ///< since the last step
-    bool knows_sides_ = false;        ///< of sheets that are through something
+    bool knows_sides_ = false;        ///< of sheets that touch something or are through it
     std::size_t at_ = 0;
     std::optional<Failure> failure_;
 };

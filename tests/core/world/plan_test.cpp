@@ -126,19 +126,18 @@ TEST(PlanTest, AProgressCallbackCannotUseTheMesh) {
     world.detect();
     EXPECT_GT(refused, 0);
     EXPECT_FALSE(world.contacts().empty());
-    EXPECT_EQ(world.collision_of(body).margin, 0);
+    EXPECT_EQ(world.collision_of(body).margin, Collision{}.margin);
     EXPECT_EQ(world.filter_of(body).world, all_worlds);
     EXPECT_TRUE(world.excluded_pairs().empty());
 }
 
-TEST(PlanTest, AProgressCallbackThatThrowsLeavesWhatWasMade) {
+// A callback should not throw; here it stands for memory that runs out.
+TEST(PlanTest, MeasuringThatFailsLeavesWhatWasMade) {
     const MeshData large = scenes::sphere(1, 7);
     World world(bvh_backend()), fresh(bvh_backend());
     int thrown = 0;
     const auto progress = [&](std::string_view what, double) {
-        if (what != "slabs") return;
-        ++thrown;
-        throw std::runtime_error("enough");
+        if (what == "slabs" && thrown++ == 0) throw std::runtime_error("enough");
     };
     const MeshId mesh = world.add_mesh("large", large, {.threads = 1, .progress = progress});
     const std::vector<BodyId> rigid{world.add_rigid_body(mesh),
@@ -146,7 +145,7 @@ TEST(PlanTest, AProgressCallbackThatThrowsLeavesWhatWasMade) {
     EXPECT_THROW(world.detect(), std::runtime_error);
     EXPECT_GT(thrown, 0);
     for (const BodyId body : rigid) world.remove_body(body);
-    // These need what was made before the callback threw, and no slabs.
+    // These need what was made before, and no slabs.
     MeshData moved = large;
     for (Vec3f& p : moved.positions) p.x += 1.5f;
     const MeshId same = fresh.add_mesh("large", large);

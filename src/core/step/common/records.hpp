@@ -110,8 +110,8 @@ static_assert(sizeof(BlockRecord) == 72 && sizeof(PatchRecord) == 12 && sizeof(V
 struct SheetRecord {
     std::uint32_t other = 0;  ///< the triangle, or the edge of b
     std::uint32_t age = 0;
-    std::int8_t side = 0;  ///< of a vertex on the wrong side: where it belongs, +1 on the side of
-                           ///< the triangle's normal
+    std::int8_t side = 0;  ///< of a vertex that touches or is through, and of edges that touch:
+                           ///< where they belong, as Judgement has it
     Found found = Found::near;
     bool is_self = false;
     bool is_edge = false;

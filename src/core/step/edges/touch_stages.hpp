@@ -68,6 +68,8 @@ struct LeavesBoth {
 
     PIERCE_HD bool operator()(std::uint32_t i) const { return leaves(2 * i) && leaves(2 * i + 1); }
 
+    /// True if the target's ray is traced: it is not where the edge has no inward direction.
+    PIERCE_HD bool has_way(std::uint32_t i) const { return !(rays[2 * i].t_max < 0); }
     /// [length] How far both rays of a chord get inside, if they leave both bodies.
     PIERCE_HD double way(std::uint32_t i) const {
         const LeavesTarget target{bodies, rays, hits};

@@ -185,7 +185,7 @@ struct GenerateMiddlesOfChords {
 
     PIERCE_HD void operator()(std::uint32_t i) const {
         Ray middle = leaves.rays[i];
-        if (i % 2 == 0 && leaves(i / 2))
+        if (i % 2 == 0 && leaves(i / 2) && leaves.has_way(i / 2))
             middle = middle_of(middle, leaves.way(i / 2));
         else
             middle.t_max = -1.0;

@@ -8,6 +8,7 @@
 #include "core/geometry/continuous.hpp"
 #include "core/mesh/mesh_view.hpp"
 #include "core/step/sheets/piercing_edge.hpp"
+#include "core/step/sheets/sheet_judgement.hpp"
 #include "core/step/sheets/sheet_memory.hpp"
 #include "core/trace/closest_search.hpp"
 #include "pierce/contact.hpp"
@@ -21,32 +22,6 @@
 /// not meet. A contact pushes the vertex to its side, also when the vertex is through. The side of
 /// a solid is always its outside.
 namespace pierce::stages {
-
-/// How two features stand at the end of the step.
-struct alignas(16) SheetMeeting {
-    double weight[2] = {};  ///< of the triangle's first two corners; for edges, the first is the
-                            ///< place along the second edge
-    double along = 0;       ///< place along the edge, or along the first of two edges
-    Vec3d out;            ///< unit, world: where the first feature belongs, as seen from the second
-    double distance = 0;  ///< [length] along `out`
-    double time = 1;
-
-    PIERCE_HD double weight_of(int corner) const {
-        return corner < 2 ? weight[corner] : 1 - weight[0] - weight[1];
-    }
-};
-static_assert(sizeof(SheetMeeting) == 64);
-
-enum class Verdict : std::uint8_t { nothing, contact, undecided };
-
-/// What is decided about two features.
-struct Judgement {
-    Verdict verdict = Verdict::nothing;
-    Found found = Found::near;
-    std::int8_t side = 0;  ///< the side of the triangle where the vertex belongs
-    bool unknown = false;  ///< the way out is unknown
-};
-static_assert(sizeof(Judgement) == sizeof(std::uint32_t));
 
 /// Per two features: whether they are a contact, and how. Reads the memory of the last step. It
 /// runs twice. The first run takes all features and does not search for the time of a meeting: a
