@@ -13,16 +13,17 @@
 Lengths are in metres, quaternions are x, y, z, w, as in Newton.
 """
 
-from typing import Any, no_type_check
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from . import _core
 
 try:
     import newton
     import warp as wp
+
+    from . import _newton_kernels, _newton_model
 except ImportError as error:
     raise ImportError("pierce.newton needs Newton: pip install newton") from error
 
@@ -99,7 +100,7 @@ class CollisionPipeline:
         if rigid_contact_max is None:
             rigid_contact_max = 1000 + 200 * model.shape_count
 
-        pairs = _pairs_of(model)
+        pairs = _newton_model.pairs_of(model)
         taken = np.isin(model.shape_type.numpy(), TAKEN)[pairs].all(axis=1)
         self._newton = newton.CollisionPipeline(
             model,
@@ -109,10 +110,10 @@ class CollisionPipeline:
             **newton_options,
         )
         if not newton_options.get("include_static_kinematic_pairs", True):
-            taken &= ~_is_held(model)[pairs].all(axis=1)
+            taken &= ~_newton_model.is_held(model)[pairs].all(axis=1)
         shapes = np.unique(pairs[taken])
-        bodies = _add_bodies(self.world, model, shapes)
-        _exclude_others(self.world, model, shapes, bodies, pairs[taken])
+        bodies = _newton_model.add_bodies(self.world, model, shapes)
+        _newton_model.exclude_others(self.world, model, shapes, bodies, pairs[taken])
         reach = model.shape_margin.numpy() + (model.shape_gap.numpy() if gap is None else gap / 2)
         for shape, body in zip(shapes, bodies, strict=True):
             # Pierce takes the larger margin of a pair, Newton the sum.
@@ -126,7 +127,7 @@ class CollisionPipeline:
         self._moving: Any = wp.array(shapes[moving], dtype=int, device=device)
         self._poses: Any = wp.zeros(len(self._moving), dtype=wp.transform, device=device)
         self._reach: Any = wp.array(reach, dtype=float, device=device)
-        self._conveys: Any = wp.array(_conveys(model), dtype=bool, device=device)
+        self._conveys: Any = wp.array(_newton_model.conveys(model), dtype=bool, device=device)
         self._start: Any = wp.zeros(1, dtype=int, device=device)
         self._stays = self.world.on_device and device.is_cuda
         if self._stays:
@@ -160,12 +161,17 @@ class CollisionPipeline:
             wp.copy(self._start, contacts.rigid_contact_count)
             columns = self._device_columns() if self._stays else self._host_columns()
             if columns:
-                _append(
+                _newton_kernels.append(
                     self.model, state, columns, self._shape_of, self._reach, self._start, contacts
                 )
                 if contacts.rigid_contact_surface_velocity is not None:
-                    _write_surface_velocities(
-                        self.model, state, self._conveys, self._start, len(columns[1]), contacts
+                    _newton_kernels.write_surface_velocities(
+                        self.model,
+                        state,
+                        self._conveys,
+                        self._start,
+                        len(columns[1]),
+                        contacts,
                     )
         count, room = int(contacts.rigid_contact_count.numpy()[0]), contacts.rigid_contact_max
         if count > room:
@@ -179,7 +185,7 @@ class CollisionPipeline:
             return
         model = self.model
         wp.launch(
-            _place_shapes,
+            _newton_kernels.place_shapes,
             dim=len(self._moving),
             inputs=[self._moving, model.shape_body, model.shape_transform, state.body_q],
             outputs=[self._poses],
@@ -221,308 +227,3 @@ class CollisionPipeline:
             (found.normal[rows].astype(np.float32), wp.vec3),
         ]
         return [wp.array(values, dtype=kind, device=self.model.device) for values, kind in columns]
-
-
-def _append(
-    model: Any,
-    state: Any,
-    columns: list[Any],
-    shape_of: Any,
-    reach: Any,
-    start: Any,
-    contacts: Any,
-) -> None:
-    """Writes Pierce's contacts after Newton's.
-
-    columns: arrays on the model's device: count, slot of body a, slot of body b, distance,
-        point a, point b, normal; of the last six, `count[0]` rows are read.
-    shape_of: the shape of each slot.
-    reach: [m] margin and gap of each shape.
-    start: how many contacts there are before.
-    """
-    room, device = len(columns[1]), model.device
-    kept = wp.zeros(room, dtype=int, device=device)
-    places = wp.zeros(room, dtype=int, device=device)
-    wp.launch(
-        _mark, dim=room, inputs=[*columns[:4], shape_of, reach], outputs=[kept], device=device
-    )
-    wp.utils.array_scan(kept, places, inclusive=True)
-    wp.launch(
-        _write,
-        dim=room,
-        inputs=[
-            *columns[1:3], *columns[4:], kept, places, start, contacts.rigid_contact_max, shape_of,
-            model.shape_body, model.shape_margin, state.body_q,
-        ],
-        outputs=[
-            contacts.rigid_contact_count,
-            contacts.rigid_contact_shape0, contacts.rigid_contact_shape1,
-            contacts.rigid_contact_point0, contacts.rigid_contact_point1,
-            contacts.rigid_contact_offset0, contacts.rigid_contact_offset1,
-            contacts.rigid_contact_normal,
-            contacts.rigid_contact_margin0, contacts.rigid_contact_margin1,
-        ],
-        device=device,
-    )  # fmt: skip
-
-
-def _write_surface_velocities(
-    model: Any, state: Any, conveys: Any, start: Any, room: int, contacts: Any
-) -> None:
-    """Writes how fast the surfaces of the two shapes move at Pierce's contacts, as Newton does.
-
-    conveys: which shapes have surface velocities.
-    start: how many contacts of Newton there are.
-    room: there are no more of Pierce's.
-    """
-    wp.launch(
-        _write_velocities,
-        dim=room,
-        inputs=[
-            start, contacts.rigid_contact_count,
-            contacts.rigid_contact_shape0, contacts.rigid_contact_shape1,
-            contacts.rigid_contact_point0, contacts.rigid_contact_point1,
-            conveys, model.shape_body, model.shape_transform, model.shape_scale,
-            model.shape_source_ptr, state.body_q,
-        ],
-        outputs=[contacts.rigid_contact_surface_velocity],
-        device=model.device,
-    )  # fmt: skip
-
-
-@wp.kernel
-@no_type_check
-def _place_shapes(
-    shapes: wp.array[int],
-    shape_body: wp.array[int],
-    shape_transform: wp.array[wp.transform],
-    body_q: wp.array[wp.transform],
-    poses: wp.array[wp.transform],
-):
-    """Where shapes of bodies are in the world."""
-    i = wp.tid()
-    shape = shapes[i]
-    poses[i] = body_q[shape_body[shape]] * shape_transform[shape]
-
-
-@wp.kernel
-@no_type_check
-def _mark(
-    count: wp.array[wp.uint32],
-    slot_a: wp.array[wp.uint32],
-    slot_b: wp.array[wp.uint32],
-    distance: wp.array[float],
-    shape_of: wp.array[int],
-    reach: wp.array[float],
-    kept: wp.array[int],
-):
-    """Marks the contacts that the gaps of the two shapes allow."""
-    i = wp.tid()
-    if i < int(count[0]):
-        shape0, shape1 = shape_of[int(slot_a[i])], shape_of[int(slot_b[i])]
-        if distance[i] <= reach[shape0] + reach[shape1]:
-            kept[i] = 1
-
-
-@wp.kernel
-@no_type_check
-def _write(
-    slot_a: wp.array[wp.uint32],
-    slot_b: wp.array[wp.uint32],
-    point_a: wp.array[wp.vec3],
-    point_b: wp.array[wp.vec3],
-    normal: wp.array[wp.vec3],
-    kept: wp.array[int],
-    places: wp.array[int],
-    start: wp.array[int],
-    contact_max: int,
-    shape_of: wp.array[int],
-    shape_body: wp.array[int],
-    shape_margin: wp.array[float],
-    body_q: wp.array[wp.transform],
-    out_count: wp.array[int],
-    out_shape0: wp.array[int],
-    out_shape1: wp.array[int],
-    out_point0: wp.array[wp.vec3],
-    out_point1: wp.array[wp.vec3],
-    out_offset0: wp.array[wp.vec3],
-    out_offset1: wp.array[wp.vec3],
-    out_normal: wp.array[wp.vec3],
-    out_margin0: wp.array[float],
-    out_margin1: wp.array[float],
-):
-    """Writes marked contacts in Newton's frames, and how many there are in all."""
-    i = wp.tid()
-    row = start[0] + places[i] - 1
-    if i == len(places) - 1:
-        out_count[0] = row + 1
-    if kept[i] == 0 or row >= contact_max:
-        return
-    shape0, shape1 = shape_of[int(slot_a[i])], shape_of[int(slot_b[i])]
-    margin0, margin1 = shape_margin[shape0], shape_margin[shape1]
-    to_body0, to_body1 = wp.transform_identity(), wp.transform_identity()
-    if shape_body[shape0] >= 0:
-        to_body0 = wp.transform_inverse(body_q[shape_body[shape0]])
-    if shape_body[shape1] >= 0:
-        to_body1 = wp.transform_inverse(body_q[shape_body[shape1]])
-    out_shape0[row] = shape0
-    out_shape1[row] = shape1
-    out_point0[row] = wp.transform_point(to_body0, point_a[i])
-    out_point1[row] = wp.transform_point(to_body1, point_b[i])
-    out_offset0[row] = wp.transform_vector(to_body0, margin0 * normal[i])
-    out_offset1[row] = wp.transform_vector(to_body1, -margin1 * normal[i])
-    out_normal[row] = normal[i]
-    out_margin0[row] = margin0
-    out_margin1[row] = margin1
-
-
-@wp.func
-@no_type_check
-def _surface_velocity(
-    shape: int,
-    point: wp.vec3,
-    conveys: wp.array[bool],
-    shape_transform: wp.array[wp.transform],
-    shape_scale: wp.array[wp.vec3],
-    shape_source: wp.array[wp.uint64],
-    to_world: wp.transform,
-):
-    """Of a shape in the world, at a point in the frame of its body."""
-    velocity = wp.vec3(0.0)
-    if not conveys[shape]:
-        return velocity
-    mesh, scale = shape_source[shape], shape_scale[shape]
-    local = wp.transform_point(wp.transform_inverse(shape_transform[shape]), point)
-    nearest = wp.mesh_query_point_no_sign(mesh, wp.cw_div(local, scale), 1.0e11)
-    if nearest.result:
-        at_rest = wp.mesh_eval_velocity(mesh, nearest.face, nearest.u, nearest.v)
-        velocity = wp.transform_vector(to_world * shape_transform[shape], wp.cw_mul(at_rest, scale))
-    return velocity
-
-
-@wp.kernel(enable_backward=False)
-@no_type_check
-def _write_velocities(
-    start: wp.array[int],
-    count: wp.array[int],
-    shape0: wp.array[int],
-    shape1: wp.array[int],
-    point0: wp.array[wp.vec3],
-    point1: wp.array[wp.vec3],
-    conveys: wp.array[bool],
-    shape_body: wp.array[int],
-    shape_transform: wp.array[wp.transform],
-    shape_scale: wp.array[wp.vec3],
-    shape_source: wp.array[wp.uint64],
-    body_q: wp.array[wp.transform],
-    out_velocity: wp.array[wp.vec3],
-):
-    """Surface velocity of shape 1 relative to shape 0, in the world, of rows from `start` on."""
-    row = start[0] + wp.tid()
-    if row >= count[0] or row >= len(out_velocity):
-        return
-    to_world0, to_world1 = wp.transform_identity(), wp.transform_identity()
-    if shape_body[shape0[row]] >= 0:
-        to_world0 = body_q[shape_body[shape0[row]]]
-    if shape_body[shape1[row]] >= 0:
-        to_world1 = body_q[shape_body[shape1[row]]]
-    velocity0 = _surface_velocity(
-        shape0[row], point0[row], conveys, shape_transform, shape_scale, shape_source, to_world0
-    )
-    velocity1 = _surface_velocity(
-        shape1[row], point1[row], conveys, shape_transform, shape_scale, shape_source, to_world1
-    )
-    out_velocity[row] = velocity1 - velocity0
-
-
-def _pairs_of(model: Any) -> NDArray[np.int64]:
-    """The pairs of shapes that may meet, (n, 2)."""
-    pairs = model.shape_contact_pairs
-    if pairs is None or len(pairs) == 0:
-        return np.empty((0, 2), dtype=np.int64)
-    return np.asarray(pairs.numpy(), dtype=np.int64).reshape(-1, 2)
-
-
-def _is_held(model: Any) -> NDArray[np.bool_]:
-    """Which shapes are static or of a kinematic body, (n,)."""
-    body = model.shape_body.numpy()
-    held: NDArray[np.bool_] = body < 0
-    if model.body_count:
-        held |= model.body_flags.numpy()[body] & int(newton.BodyFlags.KINEMATIC) != 0
-    return held
-
-
-def _conveys(model: Any) -> list[bool]:
-    """Which shapes are meshes with surface velocities, (n,)."""
-    return [
-        kind == newton.GeoType.MESH and source.enable_surface_velocity
-        for kind, source in zip(model.shape_type.numpy(), model.shape_source, strict=True)
-    ]
-
-
-def _add_bodies(world: _core.World, model: Any, shapes: NDArray[np.int64]) -> list[_core.BodyId]:
-    """One body for each shape: in a new world, their slots are 0, 1, 2, ..."""
-    types, scales = model.shape_type.numpy(), model.shape_scale.numpy()
-    body_of, places = model.shape_body.numpy(), model.shape_transform.numpy()
-    worlds = model.shape_world.numpy()
-    meshes: dict[Any, _core.MeshId] = {}
-    bodies = []
-    for shape in shapes.tolist():
-        kind, scale, source = types[shape], scales[shape], model.shape_source[shape]
-        key = (kind, scale.tobytes(), id(source))
-        if key not in meshes:
-            meshes[key] = world.add_mesh(_mesh_data(kind, scale, source), f"shape {shape}")
-        if body_of[shape] < 0:
-            body = world.add_fixed_body(meshes[key], places[shape])
-        else:
-            body = world.add_rigid_body(meshes[key])
-        world.set_filter(body, _core.Filter(world=int(worlds[shape])))
-        bodies.append(body)
-    return bodies
-
-
-def _mesh_data(
-    kind: int, scale: NDArray[np.float32], source: Any
-) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
-    """Vertices in the frame of a shape, (n, 3), and outward triangles, (m, 3)."""
-    if kind == newton.GeoType.BOX:
-        source = newton.Mesh.create_box(1.0, duplicate_vertices=False)
-    elif kind == newton.GeoType.CONVEX_MESH:
-        # To leave out vertices makes a hull smaller, so Newton's default limit does not count.
-        limit = source.maxhullvert
-        whole = newton.Mesh(
-            source.vertices,
-            source.indices,
-            compute_inertia=False,
-            maxhullvert=0 if limit == newton.Mesh.MAX_HULL_VERTICES else limit,
-        )
-        source = whole.compute_convex_hull()
-    triangles = np.asarray(source.indices, dtype=np.uint32).reshape(-1, 3)
-    if np.prod(scale) < 0:
-        triangles = np.ascontiguousarray(triangles[:, ::-1])
-    return np.asarray(source.vertices, dtype=np.float32) * scale, triangles
-
-
-def _exclude_others(
-    world: _core.World,
-    model: Any,
-    shapes: NDArray[np.int64],
-    bodies: list[_core.BodyId],
-    pairs: NDArray[np.int64],
-) -> None:
-    """Excludes all pairs of shapes, of worlds that meet, that are not among the given ones."""
-    worlds = model.shape_world.numpy()[shapes]
-    shared = np.flatnonzero(worlds < 0)
-    places = np.searchsorted(shapes, pairs)
-    allowed = np.unique(places.min(axis=1) * len(shapes) + places.max(axis=1))
-    by_world = np.argsort(worlds, kind="stable")
-    for own in np.split(by_world, np.flatnonzero(np.diff(worlds[by_world])) + 1):
-        first, second = (own[k] for k in np.triu_indices(len(own), 1))
-        if len(own) and worlds[own[0]] >= 0:
-            first = np.concatenate([first, np.repeat(shared, len(own))])
-            second = np.concatenate([second, np.tile(own, len(shared))])
-        keys = np.minimum(first, second) * len(shapes) + np.maximum(first, second)
-        at = np.searchsorted(allowed, keys)
-        is_allowed = np.append(allowed, -1)[at] == keys
-        for key in keys[~is_allowed].tolist():
-            world.exclude(bodies[key // len(shapes)], bodies[key % len(shapes)])
