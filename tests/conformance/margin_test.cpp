@@ -197,16 +197,24 @@ TEST_P(MarginTest, NothingWithinTheMarginIsMissed) {
                 deepest = std::max(deepest, c.penetration_depth());
                 in_contact = true;
             }
-        const double share = constants::passed_share * margin,
-                     passed = in_contact && deepest <= share ? share : 0.0;
-        if (std::fabs(deepest - share) < rounding) continue;
         const MeshView a = bodies[0].mesh->view(), b = bodies[1].mesh->view();
+        // Touch tolerances decide between the two.
+        const double share = constants::passed_share * margin,
+                     as_deep = constants::passed_depths * deepest,
+                     touches = 4 * constants::skin * constants::touch_tolerance *
+                               std::max(a.box.extent(), b.box.extent());
+        const bool may_pass = in_contact && deepest <= share;
+        const double least = may_pass ? std::min(share, as_deep) : 0.0,
+                     most = may_pass ? std::min(share, as_deep + touches) : 0.0;
+        if (std::fabs(deepest - share) < rounding) continue;
         for (std::uint32_t e = 0; e < a.edges.size; ++e)
             for (std::uint32_t f = 0; f < b.edges.size; ++f) {
                 const Answer near = are_near(bodies[0], a.edges[e], bodies[1], b.edges[f], margin),
-                             past = are_near(bodies[0], a.edges[e], bodies[1], b.edges[f], passed,
+                             past = are_near(bodies[0], a.edges[e], bodies[1], b.edges[f], least,
                                              -1);
-                if (near == Answer::unclear || past == Answer::unclear) continue;
+                if (near == Answer::unclear || past == Answer::unclear ||
+                    past != are_near(bodies[0], a.edges[e], bodies[1], b.edges[f], most, -1))
+                    continue;
                 const bool is_chord = past == Answer::yes &&
                                       std::ranges::any_of(world.contacts(), [&](const Contact& c) {
                                           return c.is_edge() && c.found != Found::near &&

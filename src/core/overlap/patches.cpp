@@ -104,6 +104,8 @@ public:
         }
         for (const OutlinePiece& piece : part.outline) {
             const double share = area(piece) / 3;
+            // A piece without area lies anywhere on a line through the middle.
+            if (!(share > constants::double_rounding * part.area)) continue;
             add(origin_ + 0.5 * (middle + piece.from), share, part.normal);
             add(origin_ + 0.5 * (middle + piece.to), share, part.normal);
             add(origin_ + 0.5 * (piece.from + piece.to), share, part.normal);

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cmath>
+
 #include "core/geometry/closest_point.hpp"
 #include "core/geometry/triangle.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/trace/first_crossing.hpp"
+#include "pierce/constants.hpp"
 #include "pierce/min_max.hpp"
 
 namespace pierce {
@@ -33,6 +36,15 @@ PIERCE_HD inline bool leads_into(Vec3d way, const Surface& surface, std::uint32_
     return dot(normalized(surface.corners(triangle).normal()), way) < -surface.touch;
 }
 
+/// True if the corners lie in the plane of a triangle, but for the touch tolerance.
+PIERCE_HD inline bool lies_in_plane(const TriangleCorners& corners, const Surface& surface,
+                                    std::uint32_t triangle) {
+    const TriangleCorners of = surface.corners(triangle);
+    const Vec3d normal = normalized(of.normal());
+    const auto lies_in = [&](Vec3d p) { return std::fabs(dot(normal, p - of.a)) <= surface.touch; };
+    return lies_in(corners.a) && lies_in(corners.b) && lies_in(corners.c);
+}
+
 /// The search for the triangle of a surface that is closest to a point and no further away than a
 /// limit; of equally close ones, the one with the smallest id. Triangles that other parts of the
 /// surface cover do not count, and those without area do not: what lies on one of them lies on its
@@ -42,11 +54,12 @@ public:
     PIERCE_HD ClosestSearch(Vec3d point, const Surface& surface, double limit)
         : point_(point), surface_(surface), limit_(limit) {}
 
-    /// Leaves out triangles to which the way leads into one of these two, by more than the touch
-    /// tolerance.
+    /// Leaves out triangles in the planes of these two, and those to which the way leads into one
+    /// of the two by more than the touch tolerance, unless it is much shorter than the limit.
     PIERCE_HD void keep_out_of(const std::uint32_t (&triangles)[2]) {
         kept_out_[0] = triangles[0];
         kept_out_[1] = triangles[1];
+        short_ = constants::ridge_share * limit_;
     }
 
     PIERCE_HD void test(std::uint32_t triangle) {
@@ -54,9 +67,11 @@ public:
         const Vec3d way = closest_point(point_, surface_, triangle) - point_;
         const double distance = length(way);
         if (!(distance < limit_ || (distance == limit_ && triangle < triangle_))) return;
-        for (const std::uint32_t other : kept_out_)
-            if (other != no_triangle && leads_into(way, surface_, other)) return;
         const TriangleCorners at = surface_.corners(triangle);
+        for (const std::uint32_t other : kept_out_)
+            if (other != no_triangle && ((distance > short_ && leads_into(way, surface_, other)) ||
+                                         lies_in_plane(at, surface_, other)))
+                return;
         if (is_degenerate(at.a, at.b, at.c)) return;
         limit_ = distance;
         triangle_ = triangle;
@@ -78,7 +93,7 @@ public:
 private:
     Vec3d point_;
     Surface surface_;
-    double limit_ = 0;
+    double limit_ = 0, short_ = 0;
     std::uint32_t triangle_ = no_triangle;
     std::uint32_t kept_out_[2] = {no_triangle, no_triangle};
 };

@@ -143,8 +143,8 @@ inline constexpr double edge_once_pays = 2;
 inline constexpr double edge_beyond_enough = 0.0625;
 
 /// How deep both bodies must be where an edge inside the other body gives the pair its only
-/// contacts [touch tolerance].
-inline constexpr double least_inside = 2;
+/// contacts [touch tolerance]; a way out into a ridge's own faces is much shorter [way to it].
+inline constexpr double least_inside = 2, ridge_share = 0.5;
 
 /// How exact translations that part a pair are [longest one asked for by a contact], and at which
 /// squared sine two normals are one direction. What it leaves of the overlap is far less than the
@@ -318,8 +318,8 @@ inline constexpr double wedge_cosine = -0.5, wedge_slack = 0.1;
 /// Between edges at an angle with at least this sine, the way at right angles to both is known as a
 /// unit vector to `way_slack` if it is longer than the touch tolerance of their coordinates [1].
 inline constexpr double edges_sine = 0.01, way_slack = 1e-6;
-/// How far ridges of a pair may have passed each other [margin].
-inline constexpr double passed_share = 0.25;
+/// How far ridges of a pair may have passed each other [margin], and [depth of the pair].
+inline constexpr double passed_share = 0.25, passed_depths = 4;
 
 /// Steps from one full pass of a pair to the next.
 inline constexpr std::uint32_t full_every = 8;

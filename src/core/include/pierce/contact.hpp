@@ -16,7 +16,7 @@ enum class Found : std::uint8_t {
     prediction,  ///< by a walk to a triangle that the vertex was predicted to enter through
     self,        ///< by a ray from a vertex that is inside its own body
     near,        ///< of a solid: outside, and closer than the margin, or an edge that has passed
-                 ///< another one by hardly more than the pair is deep; of a sheet: closer than its
+                 ///< another one by a few times the depth of the pair; of a sheet: closer than its
                  ///< thickness, and not known to have met
     crossing,    ///< of a sheet: the two meet during the step
     remembered,  ///< of a sheet: the two met in an earlier step and are still on the wrong side of

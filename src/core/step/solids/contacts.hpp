@@ -277,16 +277,17 @@ private:
     }
 
     /// True for re-projected contacts without a depth in a pair that has no other contact with
-    /// one, if their rays show that the bodies overlap.
+    /// one, if separation has shown that the bodies overlap deeply, and their rays run there.
     PIERCE_HD bool stays_on_ray(std::uint32_t candidate, const RaySource& from) const {
-        if (aimed.meetings[candidate].t > 0 || marks.any(from.pair, PairMarks::has_depth))
+        if (aimed.meetings[candidate].t > 0 || marks.any(from.pair, PairMarks::has_depth) ||
+            !marks.any(from.pair, PairMarks::separates))
             return false;
-        const std::uint32_t r = candidates[candidate];
-        const double t = found_rays.meetings[r].t;
+        const Ray& ray = found_rays.rays[candidates[candidate]];
+        const double t = found_rays.meetings[candidates[candidate]].t;
         return from.start == RayStart::vertex
                    ? runs_through_both(bodies[pairs[from.pair].source(from.side)], from.item, t,
-                                       found_rays.rays[r].touch)
-                   : t > 0;
+                                       ray.touch)
+                   : t > constants::skin * ray.touch;
     }
 
     /// A sheet's vertex belongs where it has come from: the ray ahead hits what it would meet, the

@@ -22,8 +22,7 @@
 /// way need not run through the vertex's own body. For bodies that touch in a few vertices it often
 /// does not, and the contact has passed R2 and R3 along its inward ray. A contact whose closest
 /// point is within the touch tolerance touches: it has no depth, however far its ray went, and the
-/// normal of the surface there. If its pair has no contact with a depth at all, as two boxes in one
-/// place, and its ray has one, it stays as it is.
+/// normal of the surface there.
 ///
 /// Where parts of the target overlap and the closest triangle is covered partly, the contact stays
 /// where its ray ends, unless it touches.
@@ -143,8 +142,8 @@ struct MoveToClosest {
 
 private:
     /// True if a chord over a ridge, which is `far` from it, leaves the target as a whole on a
-    /// shorter way, towards its closest point on a triangle. The rest of its edge does not get in
-    /// on that way, because the search has left out what leads into the faces beside the ridge.
+    /// shorter way, towards its closest point on a triangle. Where that way leads into the faces
+    /// beside the ridge, the rest of its edge may get in: then it has to be much shorter.
     PIERCE_HD static bool leaves_sooner(const Chord& chord, Vec3d point, double far,
                                         const BodyView& target, std::uint32_t triangle) {
         if (triangle == no_triangle) return false;
@@ -154,7 +153,12 @@ private:
         const double size = length(way);
         if (!(size > 0)) return false;
         const Vec3d direction = (1 / size) * way;
-        return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) < far;
+        const std::uint32_t beside = chord.ridge.triangle,
+                            other = target.mesh.neighbors[beside].across[chord.ridge.corner];
+        const bool leads_in = leads_into(way, surface, beside) ||
+                              (other != no_triangle && leads_into(way, surface, other));
+        return max_of(dot(to - chord.begin, direction), dot(to - chord.end, direction)) <
+               (leads_in ? constants::ridge_share * far : far);
     }
 
     /// Turns the ray to where the contact ends now, if it moves.
