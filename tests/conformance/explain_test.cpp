@@ -119,6 +119,34 @@ TEST_P(ExplainTest, SaysWhyAPairIsNone) {
         EXPECT_FALSE(text.empty());
 }
 
+// The lower apex of a bipyramid has gone through the upper one: its ray leaves no triangle of its
+// own, and ends with the body's box.
+TEST_P(ExplainTest, ARayOfABodyThatCrossesItselfEndsWithItsBox) {
+    MeshData pyramids;
+    for (int i = 0; i < 6; ++i)
+        pyramids.positions.push_back(
+            to_float(Vec3d{std::cos(i * M_PI / 3), std::sin(i * M_PI / 3), 0}));
+    pyramids.positions.push_back({0, 0, 1});
+    pyramids.positions.push_back({0, 0, -1});
+    for (std::uint32_t i = 0; i < 6; ++i) {
+        pyramids.triangles.push_back({{i, (i + 1) % 6, 6}});
+        pyramids.triangles.push_back({{(i + 1) % 6, i, 7}});
+    }
+    World world(GetParam().make(), {.coverage = Coverage::vertices, .reproject = false});
+    const BodyId box = world.add_fixed_body(
+        world.add_mesh("box", scenes::box({-10.3f, -10.2f, -5}, {9.7f, 9.8f, 15})));
+    std::vector<Vec3f> through = pyramids.positions;
+    through[7].z = 3;
+    const BodyId body = world.add_deforming_body(world.add_mesh("pyramids", pyramids), through);
+    world.detect();
+    for (std::uint32_t v = 0; v < 8; ++v) {
+        const Explanation e = world.explain(body, box, v);
+        EXPECT_NE(e.reason, Reason::unexplained) << v;
+        EXPECT_TRUE(std::isfinite(e.own_exit)) << v;
+    }
+    EXPECT_EQ(world.explain(body, box, 6).reason, Reason::own_exit_first);
+}
+
 // The numbers of vertices fill a block of patches, or do not.
 TEST_P(ExplainTest, AVertexWithoutTrianglesIsNoPartOfItsBody) {
     for (const std::uint32_t around : {16u, 17u}) {

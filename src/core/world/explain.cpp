@@ -129,9 +129,11 @@ private:
             because(Reason::not_inside_own);
             return;
         }
-        result_.own_exit = *own;
-        because(rules::leaves_target_first(meeting.t, *own, ray.touch) ? Reason::contact
-                                                                       : Reason::own_exit_first);
+        // A source that crosses itself may show no exit; the step's ray ends with its box.
+        result_.own_exit = std::min(*own, range);
+        because(rules::leaves_target_first(meeting.t, result_.own_exit, ray.touch)
+                    ? Reason::contact
+                    : Reason::own_exit_first);
     }
 
     /// Length of the ray inside its own body; nothing if the ray does not start inside.

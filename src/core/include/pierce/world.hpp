@@ -305,8 +305,9 @@ public:
 
     /// The first body along each line of sight from `origin`, with bodies where the last detect()
     /// saw them. Directions need not be unit; a zero direction meets nothing. From further away
-    /// than constants::largest_coordinate, bodies may be missed. Throws InputError for an origin or
-    /// a direction that is not finite, or if bodies were added, removed, moved or changed since.
+    /// than constants::largest_coordinate, bodies may be missed; those thinner than their touch
+    /// tolerance are. Throws InputError for an origin or a direction that is not finite, or if
+    /// bodies were added, removed, moved or changed since.
     std::vector<std::optional<RayHit>> cast_rays(Vec3d origin, std::span<const Vec3d> directions);
 
     /// What touches a sensor, such as the skin of a finger: `points` on it, with normals that point
