@@ -92,6 +92,8 @@ struct OrderChords {
     View<std::uint32_t> order;
 
     PIERCE_HD void operator()(std::uint32_t i) const {
+        // Only the first of a key reads their order, which it writes.
+        if (i > 0 && keys[i - 1] == keys[i]) return;
         if (order[i] & taken_over) return;  // all of its key are, in their order
         order_ties(keys, order, i,
                    [&](std::uint32_t a, std::uint32_t b) { return chord(a) < chord(b); });
