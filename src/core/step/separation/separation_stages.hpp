@@ -108,9 +108,9 @@ struct FindStrandedVertices {
     View<const std::uint32_t> candidates, keep;
     PairMarks marks;
 
-    enum Found : std::uint8_t { none, inside, runs_inside };
+    enum Stranded : std::uint8_t { none, inside, runs_inside };
 
-    PIERCE_HD Found find(std::uint32_t i) const {
+    PIERCE_HD Stranded find(std::uint32_t i) const {
         const std::uint32_t ray = candidates[i];
         const RaySource& from = sources[ray];
         if (from.start != RayStart::vertex || pairs[from.pair].is_self()) return none;
@@ -122,8 +122,8 @@ struct FindStrandedVertices {
                           meetings[ray].t > constants::skin * rays[ray].touch;
         return runs ? runs_inside : none;
     }
-    PIERCE_HD static std::uint32_t count(Found found) { return found != none; }
-    PIERCE_HD void write(std::uint32_t i, Found found, std::uint32_t place, Ray* middles,
+    PIERCE_HD static std::uint32_t count(Stranded found) { return found != none; }
+    PIERCE_HD void write(std::uint32_t i, Stranded found, std::uint32_t place, Ray* middles,
                          RaySource* stranded) const {
         if (found == none) return;
         const std::uint32_t ray = candidates[i];

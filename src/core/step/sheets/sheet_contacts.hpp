@@ -186,9 +186,9 @@ struct FillSheetContact {
         record.other = f.other;
         record.age = c.age;
         // What touches has come from somewhere, too.
-        const bool is_through = !(m.distance > 0) &&
+        const bool keeps_side = !(m.distance > 0) &&
                                 -m.distance <= target.view.memory + pair.thickness;
-        record.side = is_through ? judgement.side : std::int8_t{0};
+        record.side = keeps_side ? judgement.side : std::int8_t{0};
         record.found = judgement.found;
         record.is_self = pair.is_self();
         record.is_edge = !is_vertex;

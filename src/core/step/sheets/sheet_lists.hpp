@@ -23,7 +23,7 @@ struct SheetRecords {
     Buffer<std::uint64_t> keys;     ///< per contact, in the order of the contacts
     Buffer<SheetRecord> records;    ///< per contact
     Buffer<std::uint32_t> deepest;  ///< per pair, how far vertices are on the wrong side, as the
-                                    ///< bits of a float32
+                                    ///< bits of a float32; not 0 if something touches
 
     void forget() {
         keys.clear();

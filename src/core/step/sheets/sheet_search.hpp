@@ -26,7 +26,7 @@ struct alignas(16) SheetPair {
     std::uint32_t first = 0, second = 0;  ///< bodies: the pair's a and b
     bool searches = false;                ///< a sheet is part of it
     bool is_solid[2] = {};                ///< the first, the second
-    bool was_through = false;             ///< vertices ended the last step on the wrong side
+    bool was_through = false;  ///< the last step remembered sides: of what touches or is through
     std::uint8_t padding[4] = {};
     double thickness = 0;  ///< [length]
     double margin = 0;     ///< [length] vertices this close to triangles matter; more than the
